@@ -39,7 +39,7 @@ class BackEnd::Impl {
     problem->thorough = thorough;
     if (!thorough && !full_solve_due()) problem->window = window_around_new_data(drive_, config_);
     problem->drive = problem->window ? extract_window(drive_, *problem->window) : drive_;
-    problem->drive.tilt_stddev_deg = tilt_stddev_deg(drive_, config_);
+    problem->drive.tilt_stddev = tilt_stddev(drive_, config_);
     problem->usage = count_usage(drive_);
     return problem;
   }

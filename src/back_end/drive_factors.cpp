@@ -5,6 +5,7 @@
 #include "floor_factors.hpp"
 #include "gnss_factors.hpp"
 #include "vertical.hpp"
+#include "weak_prior.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -12,12 +13,10 @@ namespace {
 
 // Prior of the first node of a segment. It determines the pose of the map if no other constraint
 // does. With GNSS it only determines the directions that positions cannot observe, such as the roll
-// on a straight road. Chosen: strong is far below the errors of a motion, weak is as good as
-// unknown (more than a turn), but the tilt of a vehicle on a road is small (3 degrees).
+// on a straight road. Chosen: strong is far below the errors of a motion; weak is as good as
+// unknown (weak_prior.hpp), but the tilt of a vehicle on a road is small (3 degrees).
 constexpr double kStrongStddev_m = 1e-3;
 constexpr double kStrongStddev_rad = 1e-4;
-constexpr double kWeakStddev_m = 1e3;
-constexpr double kWeakHeadingStddev_rad = 10.0;
 constexpr double kWeakTiltStddev_rad = 0.05;
 
 /// Position and heading, and the tilt, each with a strong or a weak prior.

@@ -89,9 +89,9 @@ struct DriveGraph : NodeMeasurements {
   std::vector<bool> in_enu;            ///< per segment: it is aligned to East-North-Up
   std::vector<GnssDelay> gnss_delays;  ///< one per segment
   OdometryErrors odometry_errors;
-  /// Standard deviation of the tilt by the IMU's orientation, deg, as estimated from the drive
+  /// Standard deviation of the tilt by the IMU's orientation, rad, as estimated from the drive
   /// (tilt_scatter.hpp). Empty: as configured.
-  std::optional<double> tilt_stddev_deg;
+  std::optional<double> tilt_stddev;
   /// Position of the first node of each segment; empty in a window.
   std::vector<int> segment_starts;
 

@@ -2,13 +2,11 @@
 #include "floor_factors.hpp"
 
 #include "edge_covariance.hpp"
+#include "weak_prior.hpp"
 
 namespace lidar_mapping::back_end {
 
 namespace {
-
-constexpr double kWeakStddev_m = 1e3;            // chosen: so weak that floors alone decide
-constexpr double kWeakHeadingStddev_rad = 10.0;  // chosen: more than a turn, as good as unknown
 
 void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
                      pose_graph::FactorGraph& graph) {

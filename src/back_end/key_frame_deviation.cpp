@@ -9,15 +9,12 @@
 
 #include "drive_factors.hpp"
 #include "drive_results.hpp"
+#include "known_pose.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
 
 namespace {
-
-// Information of the first key frame: standard deviations of one micrometre and two microradians.
-// Chosen: these are two centimetres after ten kilometres, below the errors of a drive.
-constexpr double kKnownInformation = 1e12;
 
 PoseDeviation deviation_of(const Covariance6& covariance) {
   // Differences of large numbers may become negative by rounding.
@@ -60,9 +57,7 @@ class Covariances {
   }
 
   Matrix6d between(int row, int column) const {
-    // The tangent of the graph has half angles.
-    const Vector6d angles = (Vector6d() << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0).finished();
-    return angles.asDiagonal() * system_->block(*inverse_, row, column) * angles.asDiagonal();
+    return of_whole_angles(system_->block(*inverse_, row, column));
   }
 
   std::unique_ptr<pose_graph::BlockCholesky<6>> system_;

@@ -6,15 +6,13 @@
 #include "lidar_mapping/pose_graph/linearisation.hpp"
 
 #include "drive_factors.hpp"
+#include "known_pose.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
 
 namespace {
 
-// Information of the known key frame, as in key_frame_deviation.cpp: standard deviations of one
-// micrometre and two microradians, which are two centimetres after ten kilometres.
-constexpr double kKnownInformation = 1e12;
 // Of each key frame, so that all are determined: one kilometre. Chosen: farther than drives err.
 constexpr double kUnknownInformation = 1e-6;
 
@@ -51,10 +49,7 @@ class RelativeCovariance::Impl {
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(Eigen::Index{6} * states_, 6);
     unit.middleRows<6>(Eigen::Index{6} * *row).setIdentity();
     const Matrix6d covariance = system_->solve(unit).middleRows<6>(Eigen::Index{6} * *row);
-    // The tangent of the graph has half angles.
-    const Vector6d angles = (Vector6d() << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0).finished();
-    return Covariance6(angles.asDiagonal() * (0.5 * (covariance + covariance.transpose())) *
-                       angles.asDiagonal());
+    return of_whole_angles(0.5 * (covariance + covariance.transpose()));
   }
 
  private:

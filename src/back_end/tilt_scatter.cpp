@@ -81,8 +81,9 @@ bool vehicle_turns(const DriveGraph& drive) {
 
 }  // namespace
 
-double tilt_stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
-  const double configured = config.imu_orientation_stddev_deg;
+double tilt_stddev(const DriveGraph& drive, const BackEndConfig& config) {
+  const double configured_deg = config.imu_orientation_stddev_deg;
+  const double configured = configured_deg * kRadPerDeg;
   if (!is_height_constrained(drive, config) || !vehicle_turns(drive)) return configured;
   const std::vector<Directions> segments = verticals_in_odometry(drive);
   // Of one value, if as many independent values had the variance of the means.
@@ -95,7 +96,8 @@ double tilt_stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
     variance = std::max(variance, static_cast<double>(length) * of_means.value());
   }
   if (length <= kMinLongestMean) return configured;
-  return std::clamp(std::sqrt(variance) * kDegPerRad, kMinFraction * configured, configured);
+  return kRadPerDeg * std::clamp(std::sqrt(variance) * kDegPerRad, kMinFraction * configured_deg,
+                                 configured_deg);
 }
 
 }  // namespace lidar_mapping::back_end

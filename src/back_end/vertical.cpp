@@ -34,9 +34,8 @@ double measured_gravity(const DriveGraph& drive) {
   return median(std::move(lengths));
 }
 
-Vertical vertical_by_orientation(const DriveImu& imu, double stddev_deg) {
-  return {imu.node, imu.sample.orientation->conjugate() * Eigen::Vector3d::UnitZ(),
-          stddev_deg * kRadPerDeg};
+Vertical vertical_by_orientation(const DriveImu& imu, double stddev) {
+  return {imu.node, imu.sample.orientation->conjugate() * Eigen::Vector3d::UnitZ(), stddev};
 }
 
 Vertical vertical_by_acceleration(const DriveImu& imu, double sign, double gravity,
@@ -55,10 +54,10 @@ std::vector<Vertical> verticals(const DriveGraph& drive, const BackEndConfig& co
   std::vector<Vertical> result;
   const double sign = acceleration_sign(drive);
   const double gravity = measured_gravity(drive);
-  const double stddev_deg = drive.tilt_stddev_deg.value_or(config.imu_orientation_stddev_deg);
+  const double stddev = drive.tilt_stddev.value_or(config.imu_orientation_stddev_deg * kRadPerDeg);
   for (const DriveImu& imu : drive.imu) {
     if (config.enable_imu_orientation && imu.sample.orientation) {
-      result.push_back(vertical_by_orientation(imu, stddev_deg));
+      result.push_back(vertical_by_orientation(imu, stddev));
     }
     if (config.enable_imu_acceleration && imu.sample.linear_acceleration.norm() > 0.0) {
       result.push_back(vertical_by_acceleration(imu, sign, gravity, config));

@@ -6,8 +6,6 @@
 #include <numeric>
 #include <sstream>
 
-#include <sys/resource.h>
-
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/common/units.hpp"
@@ -64,12 +62,6 @@ double cpu_time_ms() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 json::Json figures_of(const std::vector<ScanRecord>& records) {

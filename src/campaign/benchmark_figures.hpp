@@ -28,8 +28,6 @@ struct ScanRecord {
 
 /// Milliseconds of CPU time that this process has used, over all of its threads.
 double cpu_time_ms();
-/// Largest size in memory that this process has had, MB.
-double peak_memory_mb();
 
 /// scans, mean_ms, median_ms, p95_ms, max_ms, cpu_ms, step_ms, degenerate, rescued and the like.
 json::Json figures_of(const std::vector<ScanRecord>& records);

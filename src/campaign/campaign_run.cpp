@@ -2,10 +2,9 @@
 #include "campaign_run.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <utility>
 
-#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
@@ -19,12 +18,6 @@ namespace {
 
 using front_end::FrontEndResult;
 using front_end::TrackingState;
-
-double thread_cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 front_end::FrontEndConfig make_config(const CampaignCase& c) {
   return config::load<front_end::FrontEndConfig>(
@@ -54,6 +47,31 @@ void score(const CheckedStep& step, CampaignFigures& figures) {
   ++figures.steps;
 }
 
+/// The scan with what an IMU adds to it, if there is one.
+std::pair<Scan, front_end::MotionPrior> input_at(const simulation::Drive& drive, std::size_t i,
+                                                 std::optional<ImuFeed>& feed) {
+  if (auto fed = feed ? feed->next(i) : std::nullopt) return *std::move(fed);
+  simulation::SimulatedScan scan = drive.scan(i);
+  return {{scan.stamp, std::move(scan.cloud)}, {}};
+}
+
+void report(const StepChecker& steps, CampaignFigures& figures) {
+  figures.silent = steps.silent();
+  figures.wrong = steps.wrong();
+  figures.false_alarms = steps.false_alarms();
+  figures.largest_error = steps.largest_error();
+  figures.largest_error_deg = steps.largest_error_deg();
+}
+
+/// Errors of the whole trajectory.
+void report(const std::vector<evaluation::PosePair>& pairs, CampaignFigures& figures) {
+  figures.path_length = evaluation::travelled_distances(pairs).back();
+  const auto fitted = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+  figures.ape = evaluation::absolute_pose_error(fitted).translation_m.rmse;
+  const auto drift = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
+  if (drift.segments > 0) figures.drift_percent = drift.translation_percent;
+}
+
 }  // namespace
 
 CampaignFigures run_case(const CampaignCase& c, double duration,
@@ -68,16 +86,10 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
   std::optional<ImuFeed> feed;
   if (c.imu != "none") feed.emplace(drive);
   for (std::size_t i = 0; i < drive.scan_count(); i += c.every) {
-    std::pair<Scan, front_end::MotionPrior> input;
-    if (auto fed = feed ? feed->next(i) : std::nullopt) {
-      input = *std::move(fed);
-    } else {
-      simulation::SimulatedScan scan = drive.scan(i);
-      input.first = {scan.stamp, std::move(scan.cloud)};
-    }
-    const double before = thread_cpu_ms();
-    const FrontEndResult result = front_end.process(input.first, input.second);
-    figures.cpu_ms += thread_cpu_ms() - before;
+    const auto [scan, prior] = input_at(drive, i, feed);
+    const ThreadTime time;
+    const FrontEndResult result = front_end.process(scan, prior);
+    figures.cpu_ms += 1e3 * time.seconds();
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     count(result.status.state, figures);
     const auto error =
@@ -90,16 +102,8 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
   }
   finalize(front_end.finalize(), pairs);
   figures.cpu_ms /= static_cast<double>(std::max<std::size_t>(1, figures.scans));
-  figures.silent = steps.silent();
-  figures.wrong = steps.wrong();
-  figures.false_alarms = steps.false_alarms();
-  figures.largest_error = steps.largest_error();
-  figures.largest_error_deg = steps.largest_error_deg();
-  figures.path_length = evaluation::travelled_distances(pairs).back();
-  const auto fitted = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
-  figures.ape = evaluation::absolute_pose_error(fitted).translation_m.rmse;
-  const auto drift = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
-  if (drift.segments > 0) figures.drift_percent = drift.translation_percent;
+  report(steps, figures);
+  report(pairs, figures);
   return figures;
 }
 

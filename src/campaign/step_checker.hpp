@@ -7,20 +7,19 @@
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/front_end/front_end_status.hpp"
+#include "lidar_mapping/front_end/wrong_step.hpp"
 
 namespace lidar_mapping::campaign {
-
-/// A step with a larger error is wrong, by the definition that the model of the front end is fitted
-/// with (kWrongStep of step_belief.hpp).
-constexpr double kWrongStep = 0.3;       // m
-constexpr double kWrongStepAngle = 1.0;  // deg
 
 /// Error of a step from the last scan that claimed its pose.
 struct StepError {
   double metres = 0.0;
   double degrees = 0.0;
 
-  bool is_wrong() const { return metres > kWrongStep || degrees > kWrongStepAngle; }
+  /// By the definition that the model of the front end is fitted with.
+  bool is_wrong() const {
+    return metres > front_end::kWrongStep || degrees * kRadPerDeg > front_end::kWrongStepAngle;
+  }
 };
 
 /// One step: the claimed status and the true error.

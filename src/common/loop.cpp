@@ -5,6 +5,26 @@
 
 namespace lidar_mapping {
 
+LoopVerdict verdict_on(const Loop& loop, Verdict decision, const std::string& reason) {
+  LoopVerdict verdict;
+  verdict.from = loop.from;
+  verdict.to = loop.to;
+  verdict.stamp = loop.stamp;
+  verdict.source = loop.source;
+  verdict.verdict = decision;
+  verdict.reason = reason;
+  verdict.fitness = loop.fitness;
+  verdict.overlap = loop.overlap;
+  return verdict;
+}
+
+std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(
+    const std::vector<LoopVerdict>& verdicts) {
+  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest;
+  for (const LoopVerdict& verdict : verdicts) newest[{verdict.from, verdict.to}] = verdict;
+  return newest;
+}
+
 const char* to_string(LoopSource source) {
   switch (source) {
     case LoopSource::kPosition:

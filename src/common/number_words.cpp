@@ -14,11 +14,6 @@ namespace lidar_mapping {
 
 namespace {
 
-// m. Chosen: farther than any point on Earth from any other, so that more is a damaged number.
-constexpr double kMaxCoordinate = 1e9;
-// s, in the year 2112; ROS has no later ones, because its seconds are 32 bits without a sign
-// (2106).
-constexpr double kMaxTime = 4.5e9;
 // Largest error of the products of axes of a rotation. Chosen: files with three digits have 0.003.
 constexpr double kMaxRotationError = 0.05;
 constexpr std::size_t kShown = 40;  // characters of a word in a message; chosen: half a line

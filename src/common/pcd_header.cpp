@@ -14,6 +14,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping {
 
@@ -40,7 +41,7 @@ class HeaderReader {
       ++number_;
       header_.text += line + "\n";
       if (header_.text.size() > kLongestHeader) fail("the header has no end");
-      take(line);
+      parse_line(line);
     }
     if (header_.points > 0) check_length();
     return std::move(header_);
@@ -52,7 +53,7 @@ class HeaderReader {
                     problem + "; it is no PCD file or a damaged one");
   }
 
-  void take(const std::string& line) {
+  void parse_line(const std::string& line) {
     std::istringstream stream(line);
     std::string key;
     stream >> key;
@@ -242,9 +243,10 @@ bool PcdHeader::has_float_coordinates() const {
 }
 
 bool PcdHeader::has_more_fields() const {
-  std::string names;
-  for (const PcdField& field : fields) names += (names.empty() ? "" : " ") + field.name;
-  return names != "x y z" && names != "x y z intensity";
+  std::vector<std::string> names;
+  for (const PcdField& field : fields) names.push_back(field.name);
+  const std::string written = joined(names, " ");
+  return written != "x y z" && written != "x y z intensity";
 }
 
 PcdHeader read_pcd_header(const std::filesystem::path& path) { return HeaderReader(path).read(); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <sstream>
@@ -76,6 +77,24 @@ void append_line(Trajectory& trajectory, const std::vector<std::string>& words) 
 }
 
 }  // namespace
+
+std::optional<Pose> pose_between(const StampedPose& before, const StampedPose& after, Stamp stamp,
+                                 double largest_gap_s) {
+  const double gap = to_seconds(after.stamp - before.stamp);
+  if (gap > largest_gap_s) return std::nullopt;
+  return interpolate(before.pose, after.pose, to_seconds(stamp - before.stamp) / gap);
+}
+
+std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory, double largest_gap_s) {
+  const std::vector<StampedPose>& poses = trajectory.poses;
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), stamp,
+                       [](const StampedPose& pose, Stamp wanted) { return pose.stamp < wanted; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->stamp == stamp) return after->pose;
+  if (after == poses.begin()) return std::nullopt;
+  return pose_between(*(after - 1), *after, stamp, largest_gap_s);
+}
 
 std::string to_tum(const Trajectory& trajectory) {
   std::string text;

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "lidar_mapping/common/text.hpp"
+
 namespace lidar_mapping::config {
 
 namespace {
@@ -114,9 +116,9 @@ std::string print_value(bool field) { return field ? "true" : "false"; }
 std::string print_value(const std::string& field) { return '"' + field + '"'; }
 
 std::string print_value(const std::vector<double>& field) {
-  std::string text;
-  for (const double number : field) text += (text.empty() ? "" : ", ") + print_value(number);
-  return "[" + text + "]";
+  std::vector<std::string> texts;
+  for (const double number : field) texts.push_back(print_value(number));
+  return "[" + joined(texts) + "]";
 }
 
 std::string describe(const char* type, const Range& range) {

@@ -10,6 +10,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::config {
 
@@ -159,11 +160,9 @@ std::string to_string(const Value& value) {
     }
     std::string operator()(const std::string& word) const { return word; }
     std::string operator()(const Value::List& list) const {
-      std::string text;
-      for (const Value& element : list) {
-        text += (text.empty() ? "" : ", ") + to_string(element);
-      }
-      return "[" + text + "]";
+      std::vector<std::string> texts;
+      for (const Value& element : list) texts.push_back(to_string(element));
+      return "[" + joined(texts) + "]";
     }
     std::string operator()(const Value::Map&) const { return "a group"; }
   };

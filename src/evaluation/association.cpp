@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/evaluation/association.hpp"
 
-#include <algorithm>
-
 #include <Eigen/Geometry>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -30,22 +28,9 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
                                 double largest_gap_s) {
   if (!truth.has_stamps || !estimate.has_stamps) return associate_by_line(truth, estimate);
   std::vector<PosePair> pairs;
-  const auto& known = truth.poses;
   for (const StampedPose& entry : estimate.poses) {
-    const auto after =
-        std::lower_bound(known.begin(), known.end(), entry.stamp,
-                         [](const StampedPose& pose, Stamp stamp) { return pose.stamp < stamp; });
-    if (after == known.end()) continue;
-    if (after->stamp == entry.stamp) {
-      pairs.push_back({entry.stamp, after->pose, entry.pose});
-      continue;
-    }
-    if (after == known.begin()) continue;
-    const auto before = after - 1;
-    const double gap = to_seconds(after->stamp - before->stamp);
-    if (gap > largest_gap_s) continue;
-    const double fraction = to_seconds(entry.stamp - before->stamp) / gap;
-    pairs.push_back({entry.stamp, interpolate(before->pose, after->pose, fraction), entry.pose});
+    const auto pose = pose_at(entry.stamp, truth, largest_gap_s);
+    if (pose) pairs.push_back({entry.stamp, *pose, entry.pose});
   }
   return pairs;
 }

@@ -2,6 +2,7 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/rotations.hpp"
 
 #include "base_frame.hpp"
 #include "sensor_odometry.hpp"
@@ -11,12 +12,7 @@ namespace {
 
 /// Converts x y z roll pitch yaw to a pose.
 Pose pose_of(const Vector6d& values) {
-  Pose pose;
-  pose.translation = values.head<3>();
-  pose.rotation = Eigen::AngleAxisd(values[5], Eigen::Vector3d::UnitZ()) *
-                  Eigen::AngleAxisd(values[4], Eigen::Vector3d::UnitY()) *
-                  Eigen::AngleAxisd(values[3], Eigen::Vector3d::UnitX());
-  return pose;
+  return {rotation_from_rpy(values[3], values[4], values[5]), values.head<3>()};
 }
 
 }  // namespace
@@ -32,7 +28,7 @@ class FrontEnd::Impl {
 
   void set_initial_pose(const Pose& T_odom_base) {
     if (odometry_.has_begun()) {
-      throw InputError("an initial pose after the first scan; give it before, or start anew");
+      throw InputError("an initial pose after the first scan; give it before, or restart");
     }
     start_ = T_odom_base;
     uses_measured_start_ = false;
@@ -46,8 +42,12 @@ class FrontEnd::Impl {
   FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
     if (start_) set_start(prior);
     const MotionPrior own_prior = base_frame_.of_sensor(prior, odometry_.angular_velocity());
-    return base_frame_.of_base(odometry_.process(scan, own_prior));
+    FrontEndResult result = base_frame_.of_base(odometry_.process(scan, own_prior));
+    update_pose_covariance(result);
+    return result;
   }
+
+  const Covariance6& pose_covariance() const { return pose_covariance_; }
 
   std::vector<FrontEndResult> finalize() { return base_frame_.of_base(odometry_.finalize()); }
 
@@ -66,10 +66,20 @@ class FrontEnd::Impl {
     start_.reset();
   }
 
+  void update_pose_covariance(const FrontEndResult& result) {
+    if (newest_pose_) {
+      pose_covariance_ = compose_covariance(
+          pose_covariance_, newest_pose_->inverse() * result.T_odom_base, result.covariance);
+    }
+    newest_pose_ = result.T_odom_base;
+  }
+
   SensorOdometry odometry_;
   BaseFrame base_frame_;
   std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, set until the first scan
   bool uses_measured_start_;  ///< whether a start pose measured by other sensors is used
+  std::optional<Pose> newest_pose_;
+  Covariance6 pose_covariance_ = Covariance6::Zero();  ///< of newest_pose_
 };
 
 FrontEnd::FrontEnd(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}
@@ -89,6 +99,8 @@ void FrontEnd::resume(KeyFrameIndex next_index, std::uint32_t next_segment,
                       const Pose& T_odom_base) {
   impl_->resume(next_index, next_segment, T_odom_base);
 }
+
+Covariance6 FrontEnd::pose_covariance() const { return impl_->pose_covariance(); }
 
 PointCloud FrontEnd::local_map() const { return impl_->local_map(); }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/front_end/front_end_status.hpp"
 
-#include <cmath>
-#include <cstdio>
-
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::front_end {
@@ -29,11 +27,10 @@ bool claims_pose(TrackingState state) {
 }
 
 std::string elevation_message(double elevation_shift) {
-  char degrees[32];
-  std::snprintf(degrees, sizeof(degrees), "%.2f", elevation_shift * kDegPerRad);
-  return std::string("the sensor's elevations were found to lack ") + degrees +
-         " deg: points are turned upwards by that from here on; add it to " +
-         "vertical_angle_correction_deg to have it from the start";
+  return formatted(
+      "the sensor's elevations were found to lack %.2f deg: points are turned upwards by that from "
+      "here on; add it to vertical_angle_correction_deg to have it from the start",
+      elevation_shift * kDegPerRad);
 }
 
 std::string full_map_message(std::size_t map_points_dropped) {
@@ -43,12 +40,11 @@ std::string full_map_message(std::size_t map_points_dropped) {
 }
 
 std::string jitter_message(double jitter) {
-  char milliseconds[32];
-  std::snprintf(milliseconds, sizeof(milliseconds), "%.0f", 1e3 * jitter);
-  return std::string("the stamps of the scans scatter by ") + milliseconds +
-         " ms while the sensor turns regularly: the odometry counts turns instead; IMU, velocity "
-         "and GNSS are still taken at the stamps, so have the driver stamp scans by the sensor's "
-         "clock";
+  return formatted(
+      "the stamps of the scans scatter by %.0f ms while the sensor turns regularly: the odometry "
+      "counts turns instead; IMU, velocity and GNSS are still taken at the stamps, so have the "
+      "driver stamp scans by the sensor's clock",
+      1e3 * jitter);
 }
 
 std::string ride_message() {

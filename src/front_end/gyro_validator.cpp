@@ -21,15 +21,11 @@ constexpr double kErrorRate = 0.1;
 constexpr double kMinErrorRatio = 1.5;
 /// A gyro is wrong, too, if the mean contradiction exceeds this. Measured on drives with legs: of
 /// gyros that are right single sweeps have 0.01 to 0.6, of wrong axes 5 to 30. With 1.5 some right
-/// ones are distrusted, with 2.5 half of the steps that wrong ones spoil stay.
+/// ones are distrusted, with 2.5 half of the errors by wrong ones remain.
 constexpr double kMaxContradiction = 2.0;
 /// One sweep counts as no more than this. Chosen: a single match that is off does not decide, as it
 /// adds kErrorRate of it to the mean.
 constexpr double kMaxCountedContradiction = 4.0;
-/// Lower bound of the standard deviation, rad/s: scale and axes of cheap gyros have errors of 1 %
-/// each, which is this value at 1.4 rad/s. Tried: with 0.002 the gyro rotates the map away from the
-/// points, and a person on stairs has twice the error.
-constexpr double kLeastSigma = 0.02;
 
 /// A rate is plausible up to this multiple of the largest confirmed rate, or of the rate of a slow
 /// vehicle (rad/s). Chosen: degrees instead of radians give a factor of 57, and a quick turn needs
@@ -94,7 +90,7 @@ void GyroValidator::update(const Eigen::Quaterniond& previous,
   bias_ -= std::max(kBiasRate, learning_rate) * error;
 }
 
-double GyroValidator::sigma() const { return std::max(kLeastSigma, std::sqrt(gyro_variance_)); }
+double GyroValidator::sigma() const { return std::max(kLeastGyroSigma, std::sqrt(gyro_variance_)); }
 
 std::optional<Eigen::Vector3d> GyroValidator::rate() const {
   if (!rate_) return std::nullopt;
@@ -107,8 +103,8 @@ void GyroValidator::add_contradiction(double contradiction) {
 }
 
 bool GyroValidator::is_distrusted() const {
-  const double most =
-      kMinErrorRatio * kMinErrorRatio * std::max(variance_without_gyro_, kLeastSigma * kLeastSigma);
+  const double most = kMinErrorRatio * kMinErrorRatio *
+                      std::max(variance_without_gyro_, kLeastGyroSigma * kLeastGyroSigma);
   return matches_ >= kMinMatches && (gyro_variance_ > most || contradiction_ > kMaxContradiction);
 }
 

@@ -3,13 +3,9 @@
 
 #include "lidar_mapping/front_end/front_end_status.hpp"
 #include "lidar_mapping/front_end/step_evidence.hpp"
+#include "lidar_mapping/front_end/wrong_step.hpp"
 
 namespace lidar_mapping::front_end {
-
-/// A step with a larger error than this is wrong, whatever its covariance is. Chosen: a wall is
-/// then double in the map, or leans by as much after 20 m.
-constexpr double kWrongStep = 0.3;                   // m
-constexpr double kWrongStepAngle = 0.0174532925199;  // rad, 1 degree
 
 /// The source of the evidence: the sequential NDT gives all figures, other methods give fewer.
 enum class EvidenceSource { kNdt, kSlidingWindow };

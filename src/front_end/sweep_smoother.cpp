@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "deviation_filter.hpp"
+#include "gyro_validator.hpp"
 #include "reported_covariance.hpp"
 
 namespace lidar_mapping::front_end {
@@ -38,9 +39,7 @@ const Eigen::Vector2d kMinNoise(1e-3, 1e-4);
 /// this, in squared standard deviations: a wrong rotation would bend the translation. Chosen: two
 /// standard deviations; gyros that are right have 0.6 at most (see gyro_validator.cpp).
 constexpr double kMaxContradiction = 4.0;
-/// Standard deviation of a gyro's rate, as in gyro_validator.cpp (kLeastSigma), and the least rate
-/// that shows whether a gyro is right, rad/s; chosen: five times that.
-constexpr double kGyroSigma = 0.02;
+/// The least rate that shows whether a gyro is right, rad/s. Chosen: five times kLeastGyroSigma.
 constexpr double kLeastTurn = 0.1;
 
 /// Sweeps whose middles are farther apart than this number of sweep durations do not touch. Chosen
@@ -245,7 +244,7 @@ std::optional<double> SweepSmoother::contradiction_to(const Eigen::Vector3d& rat
   if (smoothed.norm() < kLeastTurn) return std::nullopt;
   const double variance =
       deviations_->covariance_of(along).bottomRightCorner<3, 3>().trace() / (duration * duration);
-  return (smoothed - rate).squaredNorm() / (variance + 3.0 * kGyroSigma * kGyroSigma);
+  return (smoothed - rate).squaredNorm() / (variance + 3.0 * kLeastGyroSigma * kLeastGyroSigma);
 }
 
 Covariance6 SweepSmoother::scaled(const Covariance6& covariance) const {

@@ -31,10 +31,8 @@ double degrees_per_100m(double value) { return value * kRadPerDeg / 100.0; }
 
 /// Horizontal position of base_link, or of the antenna if there is no heading.
 Eigen::Vector2d gnss_position(const GnssPosition& position) {
-  const Eigen::Vector3d lever =
-      position.R_enu_base ? Eigen::Vector3d(*position.R_enu_base * position.p_base_antenna)
-                          : Eigen::Vector3d::Zero();
-  return (position.p_enu_antenna - lever).head<2>();
+  const std::optional<Pose> T_enu_base = position.T_enu_base();
+  return (T_enu_base ? T_enu_base->translation : position.p_enu_antenna).head<2>();
 }
 
 double lever_uncertainty(const GnssPosition& position) {

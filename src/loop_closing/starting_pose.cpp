@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -21,7 +22,7 @@ constexpr std::size_t kMinCells = 30;
 Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
   Pose pose;
   pose.translation << translation, 0.0;
-  pose.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
+  pose.rotation = rotation_about_z(yaw);
   return pose;
 }
 

@@ -87,17 +87,9 @@ LoopVerdict to_verdict(const VerifiedCandidate& verified, const Trajectory& traj
 }
 
 LoopVerdict confirmed_verdict(const Loop& loop, const Loop& by) {
-  LoopVerdict verdict;
-  verdict.from = loop.from;
-  verdict.to = loop.to;
-  verdict.stamp = loop.stamp;
-  verdict.source = loop.source;
-  verdict.verdict = Verdict::kAccepted;
-  verdict.reason = "the match of key frames " + std::to_string(by.from) + " and " +
-                   std::to_string(by.to) + " confirms it (unanchored_stretch)";
-  verdict.fitness = loop.fitness;
-  verdict.overlap = loop.overlap;
-  return verdict;
+  return verdict_on(loop, Verdict::kAccepted,
+                    "the match of key frames " + std::to_string(by.from) + " and " +
+                        std::to_string(by.to) + " confirms it (unanchored_stretch)");
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -87,7 +87,7 @@ TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
     if (!is_finite(point)) continue;
     const Eigen::Vector3d p_map =
         rotation * point.position().cast<double>() + cloud.T_map_base.translation;
-    const TileGrid::VoxelIndex voxel = grid_.voxel_of(p_map);
+    const TileGrid::WideVoxelIndex voxel = grid_.voxel_of(p_map);
     if (!square.contains(voxel)) {
       square = grid_.square_of(voxel);
       const bool is_selected = only == nullptr || only->count(square.tile()) > 0;

@@ -27,12 +27,12 @@ TileGrid::TileGrid(double resolution, double tile_size)
       voxels_per_tile_(
           std::clamp<std::int64_t>(std::llround(tile_size / resolution), 1, (1 << 16) - 1)) {}
 
-TileGrid::VoxelIndex TileGrid::voxel_of(const Eigen::Vector3d& p_map) const {
+TileGrid::WideVoxelIndex TileGrid::voxel_of(const Eigen::Vector3d& p_map) const {
   return {floor_to_int(p_map.x() / resolution_), floor_to_int(p_map.y() / resolution_),
           floor_to_int(p_map.z() / resolution_)};
 }
 
-TileGrid::Square TileGrid::square_of(const VoxelIndex& voxel) const {
+TileGrid::Square TileGrid::square_of(const WideVoxelIndex& voxel) const {
   Square square;
   square.tile_ = {floor_divided(voxel.x, voxels_per_tile_),
                   floor_divided(voxel.y, voxels_per_tile_)};

@@ -15,7 +15,7 @@ class TileGrid {
   TileGrid(double resolution, double tile_size);
 
   /// Index of a voxel of the whole map.
-  struct VoxelIndex {
+  struct WideVoxelIndex {
     std::int64_t x = 0;
     std::int64_t y = 0;
     std::int64_t z = 0;
@@ -27,11 +27,11 @@ class TileGrid {
     Square() = default;
     const TileIndex& tile() const { return tile_; }
     const Eigen::Vector3d& origin() const { return origin_; }
-    bool contains(const VoxelIndex& voxel) const {
+    bool contains(const WideVoxelIndex& voxel) const {
       return local(voxel.x, first_x_) < width_ && local(voxel.y, first_y_) < width_;
     }
     /// Key within the tile of a voxel that the square contains.
-    std::uint64_t key_of(const VoxelIndex& voxel) const {
+    std::uint64_t key_of(const WideVoxelIndex& voxel) const {
       const auto height = static_cast<std::uint32_t>(static_cast<std::int32_t>(voxel.z));
       return std::uint64_t{height} << 32U | local(voxel.y, first_y_) << 16U |
              local(voxel.x, first_x_);
@@ -50,8 +50,8 @@ class TileGrid {
     std::uint64_t width_ = 0;  ///< Edge in voxels; a default square contains none.
   };
 
-  VoxelIndex voxel_of(const Eigen::Vector3d& p_map) const;
-  Square square_of(const VoxelIndex& voxel) const;
+  WideVoxelIndex voxel_of(const Eigen::Vector3d& p_map) const;
+  Square square_of(const WideVoxelIndex& voxel) const;
   Eigen::Vector3d origin_of(const TileIndex& tile) const;
 
  private:

@@ -275,12 +275,12 @@ const std::vector<std::string>& product_formats() {
 }
 
 std::string product_format_help() {
-  std::string text;
+  std::vector<std::string> texts;
   for (const MapFormat& format : map_formats()) {
-    text += (text.empty() ? "" : ", ") + std::string(format.name);
-    if (*format.remark != '\0') text += " (" + std::string(format.remark) + ")";
+    texts.emplace_back(format.name);
+    if (*format.remark != '\0') texts.back() += " (" + std::string(format.remark) + ")";
   }
-  return text;
+  return joined(texts);
 }
 
 std::vector<std::string> single_file_formats() {

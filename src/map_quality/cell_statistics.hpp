@@ -20,6 +20,11 @@ struct Plane {
   double extent = 0.0;     ///< Second largest standard deviation, m.
 };
 
+/// Second largest standard deviation of the points of a plane, in edges of the cell; a square that
+/// fills the cell has 0.29. Chosen: below half of that the points are closer to a line than to a
+/// surface.
+constexpr double kMinExtent = 0.15;
+
 Plane plane_of(const PointMoments& moments);
 
 /// True up to a slope of 26 degrees (0.9 is its cosine): ramps, roads and floors.

@@ -15,10 +15,6 @@ namespace {
 // m, edge of a cell. Chosen: larger ones hold more than one surface or a curved one, smaller ones
 // too few points.
 constexpr double kCell = 0.5;
-// Second largest standard deviation of the points of a plane, in edges of the cell; a square that
-// fills the cell has 0.29. Chosen: below half of that the points are closer to a line than to a
-// surface.
-constexpr double kMinExtent = 0.15;
 // Ratio of thickness to extent of the group that gives the plane. Chosen: vegetation is thicker,
 // and a wall with the range noise of a LiDAR (0.02 m) is thinner even if it covers half a cell.
 constexpr double kMaxFlatness = 0.2;

@@ -27,10 +27,6 @@ constexpr double kFineCell = 1.0;
 // than the earlier ones together.
 constexpr double kMinPointsEarlier = 12.0;
 constexpr double kMinPointsLater = 8.0;
-// Second largest standard deviation of the points of a plane, in edges of the cell; a square that
-// fills the cell has 0.29. Chosen: below half of that the points are closer to a line than to a
-// surface.
-constexpr double kMinExtent = 0.15;
 // m, standard deviation across a plane: five times the range noise of a LiDAR (0.02 m). Chosen:
 // less would lose surfaces that the earlier passes have twice, more would admit bushes.
 constexpr double kMaxThickness = 0.1;

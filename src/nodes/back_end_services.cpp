@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <set>
 
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -11,27 +10,6 @@
 
 // The services optimize_map and get_key_frames.
 namespace lidar_mapping::ros_border {
-
-namespace {
-
-/// Index below which loop closing has decided on all candidates. Key frames with a candidate that
-/// still waits for confirmation are searched again after a restart, because the candidate would be
-/// lost otherwise.
-KeyFrameIndex searched_key_frames(const std::vector<LoopVerdict>& verdicts) {
-  KeyFrameIndex searched = 0;
-  std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> open;  // by the newer key frame
-  for (const LoopVerdict& verdict : verdicts) {
-    searched = std::max(searched, verdict.to + 1);
-    if (verdict.verdict == Verdict::kUndecided) {
-      open.emplace(verdict.to, verdict.from);
-    } else {
-      open.erase({verdict.to, verdict.from});
-    }
-  }
-  return open.empty() ? searched : open.begin()->first;
-}
-
-}  // namespace
 
 /// Services wait for the worker, so they run in threads of their own.
 void BackEndNode::advertise_services() {
@@ -127,7 +105,7 @@ void BackEndNode::add_loop_closing_state(GetKeyFrames::Response& response) const
     if (!floor.found || stamps.count(floor.stamp) == 0) continue;
     response.floors.push_back(to_message(floor, config_.node.base_frame));
   }
-  response.searched = searched_key_frames(session.verdicts());
+  response.searched = run_->searched_key_frames();
 }
 
 }  // namespace lidar_mapping::ros_border

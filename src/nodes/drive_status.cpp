@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drive_status.hpp"
 
-#include <cstdio>
 #include <sstream>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -49,13 +50,11 @@ std::string headline(const DriveStatus& status) {
 }
 
 std::string figures(const DriveStatus& status) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%.2f km, %zu key frames, %zu loops (%zu refused)",
-                status.length / 1000.0, status.key_frames, status.loops_used, status.loops_refused);
-  return text;
+  return formatted("%.2f km, %zu key frames, %zu loops (%zu refused)", status.length / 1000.0,
+                   status.key_frames, status.loops_used, status.loops_refused);
 }
 
-void colour(const DriveStatus& status, Marker& marker) {
+void set_color(const DriveStatus& status, Marker& marker) {
   const bool lost = status.state == "lost";
   const bool poor =
       status.state == "degenerate" || status.state == "doubtful" || status.state == "degraded";
@@ -82,7 +81,7 @@ Marker status_text(const DriveStatus& status, const std::string& map_frame,
   marker.scale.z = kTextHeight;
   marker.text = headline(status);
   if (on_the_way) marker.text += "\n" + figures(status);
-  colour(status, marker);
+  set_color(status, marker);
   return marker;
 }
 

@@ -80,7 +80,6 @@ class FrontEndNode {
   TransformPublisher transforms_;
   WarningLimiter limiter_;
   std::string run_id_;
-  Covariance6 covariance_ = Covariance6::Zero();  ///< of T_odom_base, axes of base_link
   std::optional<front_end::FrontEndResult> previous_;
   std::size_t scans_replayed_ = 0;
   std::uint32_t scans_lost_upstream_ = 0;  ///< scans that were lost before or in preprocessing
@@ -284,13 +283,9 @@ void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
   const NodeFields& frames = config_.node;
   transforms_.send(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame);
   double seconds = 0.0;
-  if (previous_) {
-    const Pose T_previous_now = previous_->T_odom_base.inverse() * result.T_odom_base;
-    covariance_ = compose_covariance(covariance_, T_previous_now, result.covariance);
-    seconds = to_seconds(result.stamp - previous_->stamp);
-  }
-  laser_odom_.publish(
-      to_odometry(result, covariance_, seconds, frames.odom_frame, frames.base_frame));
+  if (previous_) seconds = to_seconds(result.stamp - previous_->stamp);
+  laser_odom_.publish(to_odometry(result, front_end_.pose_covariance(), seconds, frames.odom_frame,
+                                  frames.base_frame));
 }
 
 void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,

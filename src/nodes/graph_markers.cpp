@@ -35,15 +35,15 @@ void add_bridge(Marker& marker, const Eigen::Vector3d& from, const Eigen::Vector
   add_line(marker, to + up, to);
 }
 
-using Places = std::map<KeyFrameIndex, Eigen::Vector3d>;
+using Positions = std::map<KeyFrameIndex, Eigen::Vector3d>;
 
 template <typename AddLine>
-void add_verdicts(const Verdicts& verdicts, const Places& places, const AddLine& add,
+void add_verdicts(const Verdicts& verdicts, const Positions& positions, const AddLine& add,
                   MarkerLayer& layer) {
   for (const auto& [pair, verdict] : verdicts) {
-    const auto from = places.find(pair.first);
-    const auto to = places.find(pair.second);
-    if (from == places.end() || to == places.end()) continue;
+    const auto from = positions.find(pair.first);
+    const auto to = positions.find(pair.second);
+    if (from == positions.end() || to == positions.end()) continue;
     Marker& marker = layer.piece_of(pair.second);
     add(marker, from->second, to->second);
     marker.colors.resize(marker.points.size(), color_of(verdict.verdict));
@@ -56,28 +56,32 @@ std::vector<Marker> graph_markers(const map::KeyFrameTrack& track, const Verdict
                                   const Verdicts& candidates, const std::string& frame) {
   MarkerLayer dots("key_frames", Marker::SPHERE_LIST, 0.5, color(0.9F, 0.9F, 0.95F), frame);
   MarkerLayer lines("odometry", Marker::LINE_LIST, 0.15, color(0.3F, 0.55F, 0.95F), frame);
-  MarkerLayer poor("degenerate", Marker::LINE_LIST, 1.2, color(1.0F, 0.55F, 0.0F), frame,
-                   kOverRoofs);
+  MarkerLayer degenerate("degenerate", Marker::LINE_LIST, 1.2, color(1.0F, 0.55F, 0.0F), frame,
+                         kOverRoofs);
   MarkerLayer bridges("loops", Marker::LINE_LIST, 0.8, color_of(Verdict::kAccepted), frame);
-  MarkerLayer tried("candidates", Marker::LINE_LIST, 0.15, color_of(Verdict::kRefused), frame);
-  Places places;
+  MarkerLayer candidate_lines("candidates", Marker::LINE_LIST, 0.15, color_of(Verdict::kRefused),
+                              frame);
+  Positions positions;
   std::uint32_t segment = 0;
   const Eigen::Vector3d* before = nullptr;
   for (const map::TrackedKeyFrame& key_frame : track.key_frames()) {
-    const Eigen::Vector3d& place =
-        places.emplace(key_frame.pose.index, key_frame.pose.T_map_base.translation).first->second;
-    dots.piece_of(key_frame.pose.index).points.push_back(to_point(place));
+    const Eigen::Vector3d& position =
+        positions.emplace(key_frame.pose.index, key_frame.pose.T_map_base.translation)
+            .first->second;
+    dots.piece_of(key_frame.pose.index).points.push_back(to_point(position));
     if (before != nullptr && key_frame.segment == segment) {
-      add_line(lines.piece_of(key_frame.pose.index), *before, place);
-      if (key_frame.degenerate) add_line(poor.piece_of(key_frame.pose.index), *before, place);
+      add_line(lines.piece_of(key_frame.pose.index), *before, position);
+      if (key_frame.degenerate)
+        add_line(degenerate.piece_of(key_frame.pose.index), *before, position);
     }
-    before = &place;
+    before = &position;
     segment = key_frame.segment;
   }
-  add_verdicts(loops, places, add_bridge, bridges);
-  add_verdicts(candidates, places, add_line, tried);
+  add_verdicts(loops, positions, add_bridge, bridges);
+  add_verdicts(candidates, positions, add_line, candidate_lines);
   std::vector<Marker> markers;
-  for (MarkerLayer* layer : {&dots, &lines, &poor, &bridges, &tried}) layer->move_to(markers);
+  for (MarkerLayer* layer : {&dots, &lines, &degenerate, &bridges, &candidate_lines})
+    layer->move_to(markers);
   return markers;
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimization_answer.hpp"
 
-#include <cstdio>
-
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -13,9 +12,7 @@ namespace {
 constexpr double kUnmoved = 0.001;
 
 std::string with_unit(double value, int digits, const char* unit) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f %s", digits, value, unit);
-  return text;
+  return formatted("%.*f %s", digits, value, unit);
 }
 
 std::string metres(double length) {

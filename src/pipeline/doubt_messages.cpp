@@ -71,13 +71,13 @@ std::vector<std::string> warnings(const DriveDoubt& doubt) {
 }
 
 std::string remark(const DriveDoubt& doubt) {
-  std::string found;
+  std::vector<std::string> found;
   for (const Doubt kind :
        {Doubt::kLost, Doubt::kRepeated, Doubt::kDegraded, Doubt::kDoubtful, Doubt::kDegenerate}) {
     const std::string part = section_counts(doubt, kind);
-    if (!part.empty()) found += (found.empty() ? "" : ", ") + part;
+    if (!part.empty()) found.push_back(part);
   }
-  return found.empty() ? found : "Noticed: " + found + " (doubt.csv)";
+  return found.empty() ? "" : "Noticed: " + joined(found) + " (doubt.csv)";
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/pipeline/thread_time.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
 
 namespace lidar_mapping::pipeline {
 

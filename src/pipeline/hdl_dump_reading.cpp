@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
@@ -126,10 +127,9 @@ Eigen::Quaterniond read_orientation(WordReader& words) {
 }
 
 Stamp read_stamp(WordReader& words) {
-  // Seconds up to 2112, as in common/number_words.cpp; the largest number of nanoseconds within a
-  // second, by definition.
-  constexpr double kLatest = 4.5e9, kNanoseconds = 999'999'999;
-  const std::int64_t seconds = words.whole_number(kLatest);
+  // The largest number of nanoseconds within a second, by definition.
+  constexpr double kNanoseconds = 999'999'999;
+  const std::int64_t seconds = words.whole_number(kMaxTime);
   return seconds * 1'000'000'000 + words.whole_number(kNanoseconds);
 }
 
@@ -172,11 +172,7 @@ DumpedFrame read_frame(const fs::path& path) {
   return frame;
 }
 
-std::string name_of(std::size_t number) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu", number);
-  return name;
-}
+std::string name_of(std::size_t number) { return formatted("%06zu", number); }
 
 std::vector<DumpedFrame> read_frames(const fs::path& directory) {
   std::vector<DumpedFrame> frames;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
@@ -103,9 +104,7 @@ class DumpWriter {
 
   void write_key_frame(std::size_t number, const KeyFrame& key_frame, const Pose& T_map_base,
                        double travelled) const {
-    char name[32];
-    std::snprintf(name, sizeof name, "%06zu", number);
-    const fs::path folder = directory_ / name;
+    const fs::path folder = directory_ / formatted("%06zu", number);
     fs::create_directory(folder);
     File data(folder / "data");
     constexpr Stamp kNanoseconds = 1'000'000'000;

@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/rotations.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -72,9 +73,7 @@ OxtsSample sample_of(const std::vector<double>& v, Stamp stamp) {
   sample.imu.stamp = sample.velocity.stamp = stamp;
   sample.imu.linear_acceleration = vector_at(v, kAx);
   sample.imu.angular_velocity = sample.velocity.angular = vector_at(v, kWx);
-  sample.imu.orientation = Eigen::AngleAxisd(v[kYaw], Eigen::Vector3d::UnitZ()) *
-                           Eigen::AngleAxisd(v[kPitch], Eigen::Vector3d::UnitY()) *
-                           Eigen::AngleAxisd(v[kRoll], Eigen::Vector3d::UnitX());
+  sample.imu.orientation = rotation_from_rpy(v[kRoll], v[kPitch], v[kYaw]);
   sample.velocity.linear = vector_at(v, kVf);
   return sample;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
@@ -33,16 +34,8 @@ std::string reason_of(const Loop& loop, bool used) {
 }
 
 LoopVerdict verdict_on(const Loop& loop, bool used) {
-  LoopVerdict verdict;
-  verdict.from = loop.from;
-  verdict.to = loop.to;
-  verdict.stamp = loop.stamp;
-  verdict.source = loop.source;
-  verdict.verdict = used ? Verdict::kAccepted : Verdict::kRefused;
-  verdict.reason = reason_of(loop, used);
-  verdict.fitness = loop.fitness;
-  verdict.overlap = loop.overlap;
-  return verdict;
+  return lidar_mapping::verdict_on(loop, used ? Verdict::kAccepted : Verdict::kRefused,
+                                   reason_of(loop, used));
 }
 
 }  // namespace
@@ -125,6 +118,20 @@ AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& sol
     applied.verdicts.push_back(all[i]);
   }
   return applied;
+}
+
+KeyFrameIndex RecordedBackEnd::searched_key_frames() const {
+  KeyFrameIndex searched = 0;
+  std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> open;  // by the newer key frame
+  for (const LoopVerdict& verdict : session_.verdicts()) {
+    searched = std::max(searched, verdict.to + 1);
+    if (verdict.verdict == Verdict::kUndecided) {
+      open.emplace(verdict.to, verdict.from);
+    } else {
+      open.erase({verdict.to, verdict.from});
+    }
+  }
+  return open.empty() ? searched : open.begin()->first;
 }
 
 KeyFramePoses RecordedBackEnd::poses() const {

@@ -13,11 +13,7 @@ namespace {
 front_end::MotionPrior prior_at(const preprocessing::SyncedScan& synced, bool is_first) {
   front_end::MotionPrior prior =
       front_end::prior_of(synced.imu, synced.velocity, synced.uneven_turning, synced.felt);
-  if (is_first && synced.gnss && synced.gnss->R_enu_base) {
-    const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;
-    prior.T_odom_base_initial =
-        Pose{R_enu_base, synced.gnss->p_enu_antenna - R_enu_base * synced.gnss->p_base_antenna};
-  }
+  if (is_first && synced.gnss) prior.T_odom_base_initial = synced.gnss->T_enu_base();
   return prior;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_preparation.hpp"
 
-#include <cstdio>
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -62,13 +62,10 @@ void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
 /// Reports once that scans are dropped. A session maps one drive, in which time does not go back.
 void ScanPreparation::report_dropped(Stamp stamp) {
   if (++before_newest_ > 1) return;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "points: time went back to %.1f s before the newest scan; scans are left out until "
-                "it has passed that again (map another drive by itself and join them with "
-                "merge_sessions)",
-                to_seconds(*last_ - stamp));
-  report_(text);
+  report_(formatted(
+      "points: time went back to %.1f s before the newest scan; scans are left out until it has "
+      "passed that again (map another drive by itself and join them with merge_sessions)",
+      to_seconds(*last_ - stamp)));
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "lidar_mapping/pipeline/thread_time.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
 
 namespace lidar_mapping::pipeline {
 

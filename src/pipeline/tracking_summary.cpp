@@ -14,7 +14,7 @@ constexpr Stamp kGap = from_seconds(1.0);
 constexpr std::array kDoubts = {Doubt::kDoubtful, Doubt::kDegraded, Doubt::kRepeated,
                                 Doubt::kDegenerate, Doubt::kLost};
 
-// Of the path length, as in report_verdicts.cpp (kMaxCorrection).
+// Of the path length. Chosen: what is visible in a map.
 constexpr double kAllowedFraction = 0.01;
 constexpr double kMinAllowedError = 0.5;  // m; chosen: matches of loops converge from more
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +17,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 #include "odometry_chain.hpp"
 
@@ -50,9 +50,8 @@ class Line {
 
   /// A coordinate of a pose: m, rad, or an element of a quaternion.
   double coordinate() {
-    constexpr double kFarthest = 1e9;  // chosen: no map reaches it, and squares stay finite
     const double value = number();
-    if (std::abs(value) > kFarthest) fail("a pose is beyond a million kilometres");
+    if (std::abs(value) > kMaxCoordinate) fail("a pose is beyond a million kilometres");
     return value;
   }
 

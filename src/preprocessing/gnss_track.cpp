@@ -242,8 +242,7 @@ bool GnssTrack::accepts_heading(const GnssPosition& position, const Eigen::Quate
     return config_.imu_orientation == ImuOrientation::kEnu;
   }
   const double sigma = std::sqrt(position.covariance.diagonal().head<2>().maxCoeff());
-  const Eigen::Vector3d p_enu_base = position.p_enu_antenna - R_enu_base * position.p_base_antenna;
-  heading_check_.add(p_enu_base, sigma, R_enu_base, backwards);
+  heading_check_.add(position.p_enu_base(R_enu_base), sigma, R_enu_base, backwards);
   return heading_check_.agrees().value_or(false);
 }
 

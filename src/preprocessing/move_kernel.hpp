@@ -19,7 +19,7 @@ struct KeepRule {
 /// A rigid motion in the middle of a time slot, row-major [R | t], and the further displacement of
 /// a moved point per slot: turning x point + drift.
 struct MotionSlot {
-  float place[12];
+  float transform[12];
   float turning[3];  ///< rad
   float drift[3];    ///< m
 };

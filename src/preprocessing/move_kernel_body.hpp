@@ -122,7 +122,7 @@ struct Rows {
 };
 
 /// Lane 4 q + r has point q of row r: shuffles stay within the quads, which is cheaper.
-struct Places {
+struct Coordinates {
   Floats x, y, z;
 };
 
@@ -135,7 +135,7 @@ constexpr Ints kThirdFrom[4] = {
     in_each_quad(0, 1, kLanes + 2, kLanes + 3), in_each_quad(2, 3, kLanes + 3, kLanes + 3)};
 constexpr Ints kFourth = in_each_quad(0, 1, 2, kLanes + 3);
 
-LIDAR_MAPPING_INLINE Places places_of(const Rows& points) {
+LIDAR_MAPPING_INLINE Coordinates coordinates_of(const Rows& points) {
   const Floats xy0 = __builtin_shuffle(points.row[0], points.row[1], kLower);
   const Floats xy1 = __builtin_shuffle(points.row[2], points.row[3], kLower);
   const Floats zw0 = __builtin_shuffle(points.row[0], points.row[1], kUpper);
@@ -145,29 +145,29 @@ LIDAR_MAPPING_INLINE Places places_of(const Rows& points) {
 }
 
 /// The fourth value of each point is kept.
-LIDAR_MAPPING_INLINE void put(const Places& places, Rows& points) {
-  const Floats xy0 = __builtin_shuffle(places.x, places.y, kLower);
-  const Floats xy1 = __builtin_shuffle(places.x, places.y, kUpper);
+LIDAR_MAPPING_INLINE void put(const Coordinates& coordinates, Rows& points) {
+  const Floats xy0 = __builtin_shuffle(coordinates.x, coordinates.y, kLower);
+  const Floats xy1 = __builtin_shuffle(coordinates.x, coordinates.y, kUpper);
   for (int k = 0; k < 4; ++k) {
-    const Floats xyz = __builtin_shuffle(k < 2 ? xy0 : xy1, places.z, kThirdFrom[k]);
+    const Floats xyz = __builtin_shuffle(k < 2 ? xy0 : xy1, coordinates.z, kThirdFrom[k]);
     points.row[k] = __builtin_shuffle(xyz, points.row[k], kFourth);
   }
 }
 
-LIDAR_MAPPING_INLINE Floats moved(const float* row, const Places& p) {
+LIDAR_MAPPING_INLINE Floats moved(const float* row, const Coordinates& p) {
   return plus(plus(plus(all(row[3]), all(row[2]), p.z), all(row[1]), p.y), all(row[0]), p.x);
 }
 
-LIDAR_MAPPING_INLINE Places moved_by(const float* place, const Places& p) {
+LIDAR_MAPPING_INLINE Coordinates moved_by(const float* transform, const Coordinates& p) {
   return {moved(place, p), moved(place + 4, p), moved(place + 8, p)};
 }
 
 /// `since`: time since the middle of this slot, in slots.
-LIDAR_MAPPING_INLINE Places moved_within(const MotionSlot& slot, const Floats& since,
-                                         const Places& raw) {
+LIDAR_MAPPING_INLINE Coordinates moved_within(const MotionSlot& slot, const Floats& since,
+                                              const Coordinates& raw) {
   const float* const w = slot.turning;
   const float* const v = slot.drift;
-  const Places p = moved_by(slot.place, raw);
+  const Coordinates p = moved_by(slot.transform, raw);
   const Floats dx = minus(plus(all(v[0]), all(w[1]), p.z), all(w[2]), p.y);
   const Floats dy = minus(plus(all(v[1]), all(w[2]), p.x), all(w[0]), p.z);
   const Floats dz = minus(plus(all(v[2]), all(w[0]), p.y), all(w[1]), p.x);
@@ -193,14 +193,14 @@ struct Slots {
 };
 
 /// Moves each lane by its own slot.
-__attribute__((noinline)) Places moved_each(const Slots& slots, const Floats& positions,
-                                            const Places& raw) {
-  Places result{};
+__attribute__((noinline)) Coordinates moved_each(const Slots& slots, const Floats& positions,
+                                                 const Coordinates& raw) {
+  Coordinates result{};
   for (int k = 0; k < kLanes; ++k) {
     const int slot = slots.at(positions[k]);
     const float since = positions[k] - (static_cast<float>(slot) + 0.5F);
     const float held = since > 0.5F ? 0.5F : since > -0.5F ? since : -0.5F;
-    const Places moved = moved_within(slots.first[slot], all(held), raw);
+    const Coordinates moved = moved_within(slots.first[slot], all(held), raw);
     result.x[k] = moved.x[k];
     result.y[k] = moved.y[k];
     result.z[k] = moved.z[k];
@@ -209,20 +209,20 @@ __attribute__((noinline)) Places moved_each(const Slots& slots, const Floats& po
 }
 
 /// Moves all lanes by one slot, if it may be used for all.
-LIDAR_MAPPING_INLINE Places moved_timed(const Slots& slots, int slot, const Floats& times,
-                                        const Places& raw) {
+LIDAR_MAPPING_INLINE Coordinates moved_timed(const Slots& slots, int slot, const Floats& times,
+                                             const Coordinates& raw) {
   const float middle = static_cast<float>(slot) + 0.5F;
   const Floats since = plus(all(slots.start - middle), times, all(slots.rate));
   const bool in_reach = bits_of((since > -kReach) & (since < kReach)) == kAll;
   if (__builtin_expect(in_reach, true)) return moved_within(slots.first[slot], since, raw);
   // because its address is taken, the compiler keeps only this copy in memory
-  const Places copy = raw;
+  const Coordinates copy = raw;
   const Floats positions = since + all(middle);
   return moved_each(slots, positions, copy);
 }
 
-LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Places& moved) {
-  const Places p = moved_by(rule.to_box, moved);
+LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Coordinates& moved) {
+  const Coordinates p = moved_by(rule.to_box, moved);
   return (p.x > rule.box_min[0]) & (p.x < rule.box_max[0]) & (p.y > rule.box_min[1]) &
          (p.y < rule.box_max[1]) & (p.z > rule.box_min[2]) & (p.z < rule.box_max[2]);
 }
@@ -280,7 +280,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
   for (int k = 0; k < 4; ++k) {
     load_points(from + k * kQuads * source.step, source.step, points.row[k]);
   }
-  Places p = places_of(points);
+  Coordinates p = coordinates_of(points);
   Floats range = plus(plus(p.z * p.z, p.y, p.y), p.x, p.x);
   if constexpr (has_times) {
     Floats time;
@@ -289,7 +289,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
     range = plus(range, time, Floats{});  // becomes NaN if the time is not finite
     p = moved_timed(slots, slot, time, p);
   } else {
-    p = moved_by(slots.first->place, p);
+    p = moved_by(slots.first->transform, p);
   }
   Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);  // NaN fails
   if (rule.has_box) keep &= ~is_inside(rule, p);

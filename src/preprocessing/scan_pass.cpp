@@ -32,7 +32,7 @@ void write(const Matrix34& place, float* to) {
 
 std::vector<MotionSlot> identity_slots() {
   std::vector<MotionSlot> slots(1);
-  write(Matrix34::Identity(), slots.front().place);
+  write(Matrix34::Identity(), slots.front().transform);
   return slots;
 }
 
@@ -44,7 +44,7 @@ MotionSlot slot_between(const Matrix34& begin, const Matrix34& end) {
   const Eigen::Vector3d turning(0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)),
                                 0.5 * (W(1, 0) - W(0, 1)));
   MotionSlot slot;
-  write(middle, slot.place);
+  write(middle, slot.transform);
   Eigen::Map<Eigen::Vector3f>{slot.turning} = turning.cast<float>();
   Eigen::Map<Eigen::Vector3f>{slot.drift} =
       (change.col(3) - turning.cross(middle.col(3))).cast<float>();

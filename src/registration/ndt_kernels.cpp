@@ -6,7 +6,7 @@
 namespace lidar_mapping::registration {
 
 const NdtKernels& portable_ndt_kernels() {
-  static const NdtKernels kernels{place, accumulate};
+  static const NdtKernels kernels{locate, accumulate};
   return kernels;
 }
 

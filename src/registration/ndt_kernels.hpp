@@ -41,8 +41,8 @@ struct NdtSums {
 /// same operations in the same order and give the same bits.
 struct NdtKernels {
   /// Rotated points q = R p(s) and the packed cells of q + t. Cells are packed by pack_cell().
-  void (*place)(const SweepMotion& motion, float inverse_resolution, const SweepArrays& points,
-                std::size_t count, float* qx, float* qy, float* qz, std::int32_t* cells);
+  void (*locate)(const SweepMotion& motion, float inverse_resolution, const SweepArrays& points,
+                 std::size_t count, float* qx, float* qy, float* qz, std::int32_t* cells);
   /// Adds up the normal equations of r = normal . (q + t) - offset over count points.
   /// planes: normal x, y, z and offset, four arrays.
   void (*accumulate)(const float* qx, const float* qy, const float* qz,

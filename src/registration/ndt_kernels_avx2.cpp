@@ -12,7 +12,7 @@ namespace lidar_mapping::registration {
 
 const NdtKernels* avx2_ndt_kernels() {
 #ifdef LIDAR_MAPPING_HAS_AVX2
-  static const NdtKernels kernels{place, accumulate};
+  static const NdtKernels kernels{locate, accumulate};
   return processor_has(InstructionSet::kAvx2) ? &kernels : nullptr;
 #else
   return nullptr;

@@ -31,8 +31,8 @@ LIDAR_MAPPING_INLINE void to_cell(Floats u, int limit, Ints& cell) {
   cell = truncated + (__builtin_convertvector(truncated, Floats) > u);
 }
 
-void place(const SweepMotion& motion, float inverse_resolution, const SweepArrays& points,
-           std::size_t count, float* qx, float* qy, float* qz, std::int32_t* cells) {
+void locate(const SweepMotion& motion, float inverse_resolution, const SweepArrays& points,
+            std::size_t count, float* qx, float* qy, float* qz, std::int32_t* cells) {
   const float* R = motion.rotation;
   const float* t = motion.translation;
   const float* v = motion.velocity;

@@ -167,7 +167,7 @@ class NdtMatcher::Impl {
     begin(points, options);
     NdtMatch match;
     match.state = state;
-    const SweepMotion motion = place(points, map, state);
+    const SweepMotion motion = locate(points, map, state);
     const NdtPoints::Slice all{0, points.padded_size(), 0.0F};
     FitSums sum;
     for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
@@ -187,12 +187,13 @@ class NdtMatcher::Impl {
   }
 
   /// Points to where they are in the map, and their planes.
-  SweepMotion place(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state) {
+  SweepMotion locate(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state) {
     const SweepMotion motion = sweep_motion(state, map.origin());
     const SweepArrays arrays{points.x().data(), points.y().data(), points.z().data(),
                              points.s().data()};
-    kernels_.place(motion, static_cast<float>(1.0 / map.resolution()), arrays, points.padded_size(),
-                   rotated_.x.data(), rotated_.y.data(), rotated_.z.data(), cells_.data());
+    kernels_.locate(motion, static_cast<float>(1.0 / map.resolution()), arrays,
+                    points.padded_size(), rotated_.x.data(), rotated_.y.data(), rotated_.z.data(),
+                    cells_.data());
     rotated_.translation = Eigen::Map<const Eigen::Vector3f>(motion.translation);
     rotated_.viewpoint = points.viewpoint();
     if (rotated_.viewpoint) {
@@ -204,7 +205,7 @@ class NdtMatcher::Impl {
 
   NormalEquations normal_equations(const NdtPoints& points, GaussianVoxelMap& map,
                                    const MotionState& state, double kernel_squared) {
-    const SweepMotion motion = place(points, map, state);
+    const SweepMotion motion = locate(points, map, state);
     const Eigen::Matrix3d R = state.T_map_sensor.rotation_matrix();
     NormalEquations sum;
     slices_.clear();

@@ -9,7 +9,7 @@ namespace lidar_mapping::registration {
 
 namespace {
 
-/// PCL's NDT with the last step in sight.
+/// PCL's NDT, which gives access to its last step.
 class StepwiseNdt : public pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl::PointXYZ> {
  public:
   double last_step() const { return transformation_.block<3, 1>(0, 3).norm(); }

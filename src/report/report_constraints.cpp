@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/units.hpp"
@@ -23,15 +24,7 @@ PoseOf by_index(const KeyFramePoses& poses) {
   return found;
 }
 
-/// The newest verdict on a loop, without those on other candidates of the same two key frames.
-std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(
-    const session::Session& session) {
-  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest;
-  for (const LoopVerdict& verdict : session.verdicts()) {
-    newest[{verdict.from, verdict.to}] = verdict;
-  }
-  return newest;
-}
+using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
 
 json::Json loop_row(const LoopVerdict& verdict) {
   return {{"from", verdict.from},
@@ -39,6 +32,24 @@ json::Json loop_row(const LoopVerdict& verdict) {
           {"source", to_string(verdict.source)},
           {"verdict", to_string(verdict.verdict)},
           {"reason", verdict.reason}};
+}
+
+/// The motion that these poses have in addition to that of the loop; empty without a pose for one
+/// of its key frames.
+std::optional<Pose> residual_of(const Loop& loop, const PoseOf& poses) {
+  const auto from = poses.find(loop.from);
+  const auto to = poses.find(loop.to);
+  if (from == poses.end() || to == poses.end()) return std::nullopt;
+  return loop.T_from_to.inverse() * (from->second.inverse() * to->second);
+}
+
+/// Removes the verdict on a loop from the others; a loop without one was accepted.
+LoopVerdict take_verdict(const Loop& loop, Verdicts& verdicts) {
+  const auto known = verdicts.find({loop.from, loop.to});
+  if (known == verdicts.end()) return verdict_on(loop, Verdict::kAccepted, "");
+  const LoopVerdict verdict = known->second;
+  verdicts.erase(known);
+  return verdict;
 }
 
 }  // namespace
@@ -52,29 +63,18 @@ bool is_in_enu(const session::Session& session) {
 json::Json loop_figures(const ReportInput& input) {
   const PoseOf poses = by_index(input.poses);
   const PoseOf odometry = by_index(input.odometry);
-  auto verdicts = newest_verdicts(input.session);
+  Verdicts verdicts = newest_verdicts(input.session.verdicts());
   json::Json rows = json::Json::array();
   std::vector<double> metres;
   std::vector<double> degrees;
   for (const Loop& loop : input.session.loops()) {
-    const auto from = poses.find(loop.from);
-    const auto to = poses.find(loop.to);
-    if (from == poses.end() || to == poses.end()) continue;
-    const Pose residual = loop.T_from_to.inverse() * (from->second.inverse() * to->second);
-    LoopVerdict verdict{loop.from, loop.to, loop.stamp, loop.source, Verdict::kAccepted,
-                        "",        0.0,     0.0,        0.0,         0.0,
-                        0.0,       0.0};
-    const auto known = verdicts.find({loop.from, loop.to});
-    if (known != verdicts.end()) {
-      verdict = known->second;
-      verdicts.erase(known);
-    }
+    const std::optional<Pose> residual = residual_of(loop, poses);
+    if (!residual) continue;
+    const LoopVerdict verdict = take_verdict(loop, verdicts);
     json::Json row = loop_row(verdict);
-    row["residual_m"] = residual.translation.norm();
-    row["odometry_residual_m"] =
-        (loop.T_from_to.inverse() * (odometry.at(loop.from).inverse() * odometry.at(loop.to)))
-            .translation.norm();
-    row["residual_deg"] = rotation_angle(residual.rotation) * kDegPerRad;
+    row["residual_m"] = residual->translation.norm();
+    row["odometry_residual_m"] = residual_of(loop, odometry).value().translation.norm();
+    row["residual_deg"] = rotation_angle(residual->rotation) * kDegPerRad;
     if (verdict.verdict == Verdict::kAccepted) {
       metres.push_back(row["residual_m"]);
       degrees.push_back(row["residual_deg"]);

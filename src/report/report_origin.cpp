@@ -5,6 +5,8 @@
 #include <sstream>
 #include <utility>
 
+#include "lidar_mapping/common/text.hpp"
+
 #include "report_figures.hpp"
 #include "run_record.hpp"
 
@@ -26,12 +28,10 @@ json::Json date_of(const ReportInput& input) {
 std::string coordinates_of(const ReportInput& input) {
   const auto datum = input.session.datum();
   if (!datum) return "local, m: the first key frame is the origin, x forward, y left, z up";
-  char text[240];
-  std::snprintf(text, sizeof text, "%.7f°, %.7f°, %.3f m above the ellipsoid (WGS 84)",
-                datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
-  if (is_in_enu(input.session))
-    return std::string("local East-North-Up, m, with its origin at ") + text;
-  return std::string("local, m, not georeferenced (GNSS is not used); its datum is ") + text;
+  const std::string text = formatted("%.7f°, %.7f°, %.3f m above the ellipsoid (WGS 84)",
+                                     datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
+  if (is_in_enu(input.session)) return "local East-North-Up, m, with its origin at " + text;
+  return "local, m, not georeferenced (GNSS is not used); its datum is " + text;
 }
 
 /// The numbers after "name: [" in the description of a map.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/pipeline/tracking_summary.hpp"
 
 #include "report_figures.hpp"
 
@@ -18,7 +19,6 @@ constexpr double kMaxMisalignmentAside = 0.05;  // m, left and up
 constexpr double kMaxMisalignmentAlong = 0.2;   // m
 constexpr double kMaxMisalignmentYaw = 0.2;     // deg
 constexpr double kMaxLoopResidual = 0.15;       // m
-constexpr double kMaxCorrection = 0.01;         // of the distance travelled
 constexpr double kMaxSigma = 0.5;               // m
 constexpr double kMaxGnssSigmas = 4.0;          // 95 % of the residuals, against the stated sigma
 constexpr double kMinGnssResidual = 0.1;        // m, never called too much
@@ -103,7 +103,7 @@ json::Json odometry_line(const json::Json& report) {
   const double farthest = report["trajectory"]["odometry_max_m"];
   const double vertical = report["trajectory"]["odometry_max_vertical_m"];
   const double length = report["drive"]["length_m"];
-  const double limit = std::max(0.5, kMaxCorrection * length);
+  const double limit = pipeline::allowed_error(length);
   const char* name = "Odometry against the map";
   const bool has_gnss = report["gnss"]["positions"] > 0 && report["gnss"]["used_by_graph"];
   if (report["loops"]["used"] == 0 && !has_gnss) {
@@ -211,12 +211,13 @@ json::Json verdicts(const json::Json& report) {
 }
 
 std::string overall_verdict(const json::Json& report) {
-  std::string faults;
+  std::vector<std::string> faults;
   for (const json::Json& line : report["verdicts"]) {
     if (line["good"] != false) continue;
-    faults += (faults.empty() ? "" : ", ") + line["name"].get<std::string>();
+    faults.push_back(line["name"].get<std::string>());
   }
-  std::string text = faults.empty() ? "Good: nothing that has to be checked" : "Look at: " + faults;
+  std::string text =
+      faults.empty() ? "Good: nothing that has to be checked" : "Look at: " + joined(faults);
   if (report["ghosts"].empty()) {
     text += "; no place was driven twice, so only local quality could be judged";
   }

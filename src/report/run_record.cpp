@@ -10,6 +10,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "json.hpp"
 
@@ -133,12 +134,11 @@ bool is_same(const RecordedFile& a, const RecordedFile& b) {
 }
 
 std::string names_of(const std::vector<RecordedFile>& files) {
-  std::string names;
+  std::vector<std::string> names;
   for (const RecordedFile& file : files) {
-    names +=
-        (names.empty() ? "" : ", ") + file.name + " (" + std::to_string(file.bytes) + " bytes)";
+    names.push_back(file.name + " (" + std::to_string(file.bytes) + " bytes)");
   }
-  return names;
+  return joined(names);
 }
 
 std::vector<std::string> lines_of(const std::string& text) {

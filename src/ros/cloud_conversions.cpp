@@ -9,6 +9,8 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
 
+#include "point_fields.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -23,40 +25,19 @@ sensor_msgs::PointField float_field(const std::string& name, std::uint32_t offse
 }
 
 /// Byte offset of a float field in a point; nothing if there is no such field.
-std::optional<std::size_t> offset_of(const sensor_msgs::PointCloud2& message,
-                                     const std::string& name) {
-  for (const auto& field : message.fields) {
-    if (field.name != name) continue;
-    if (field.datatype != sensor_msgs::PointField::FLOAT32 ||
-        field.offset + sizeof(float) > message.point_step) {
-      throw InputError("cloud: field '" + name + "' is not a FLOAT32 within the point");
-    }
-    return field.offset;
+std::optional<std::size_t> offset_of(const CloudView& message, const std::string& name) {
+  const sensor_msgs::PointField* field = find_field(message, name);
+  if (field == nullptr) return std::nullopt;
+  if (field->datatype != sensor_msgs::PointField::FLOAT32) {
+    throw InputError("cloud: field '" + name + "' is not a FLOAT32");
   }
-  return std::nullopt;
+  return field->offset;
 }
 
-std::size_t required_offset(const sensor_msgs::PointCloud2& message, const std::string& name) {
+std::size_t required_offset(const CloudView& message, const std::string& name) {
   const auto offset = offset_of(message, name);
   if (!offset) throw InputError("cloud: field '" + name + "' is missing");
   return *offset;
-}
-
-float read_float(const std::uint8_t* address) {
-  float value;
-  std::memcpy(&value, address, sizeof value);
-  return value;
-}
-
-void check_size(const sensor_msgs::PointCloud2& message) {
-  const std::size_t row = std::size_t{message.width} * message.point_step;
-  const std::size_t needed =
-      message.height == 0 ? 0 : std::size_t{message.row_step} * (message.height - 1) + row;
-  if (message.is_bigendian || message.data.size() < needed ||
-      (message.height > 1 && message.row_step < row)) {
-    throw InputError("cloud: " + std::to_string(message.data.size()) + " bytes of data, " +
-                     std::to_string(needed) + " announced, or big-endian");
-  }
 }
 
 }  // namespace
@@ -108,16 +89,14 @@ PointCloud from_message(const sensor_msgs::PointCloud2& message) {
   const std::size_t count = std::size_t{message.width} * message.height;
   cloud.points.reserve(count);
   if (time) cloud.times.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* in = message.data.data() + (i / message.width) * message.row_step +
-                             (i % message.width) * message.point_step;
-    const Point point{read_float(in + x), read_float(in + y), read_float(in + z),
-                      intensity ? read_float(in + *intensity) : 0.0F};
-    const float t = time ? read_float(in + *time) : 0.0F;
-    if (!point.position().allFinite() || !std::isfinite(t)) continue;
+  for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
+    const Point point{read<float>(in + x), read<float>(in + y), read<float>(in + z),
+                      intensity ? read<float>(in + *intensity) : 0.0F};
+    const float t = time ? read<float>(in + *time) : 0.0F;
+    if (!point.position().allFinite() || !std::isfinite(t)) return;
     cloud.points.push_back(point);
     if (time) cloud.times.push_back(t);
-  }
+  });
   return cloud;
 }
 

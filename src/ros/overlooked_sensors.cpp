@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "lidar_mapping/common/text.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -14,14 +16,14 @@ bool is_published(const std::string& topic, const std::vector<PublishedTopic>& p
 
 std::string candidates(const OptionalInput& input, const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own) {
-  std::string list;
+  std::vector<std::string> list;
   for (const PublishedTopic& other : published) {
     const bool fits =
         std::find(input.types.begin(), input.types.end(), other.type) != input.types.end();
     if (!fits || own.count(other.name) > 0) continue;
-    list += (list.empty() ? "" : ", ") + other.name + " (" + other.type + ")";
+    list.push_back(other.name + " (" + other.type + ")");
   }
-  return list;
+  return joined(list);
 }
 
 }  // namespace

@@ -171,13 +171,7 @@ preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCl
   summary.stamp = decoded.scan.stamp;
   summary.frame_id = message.header.frame_id;
   summary.points = decoded.scan.cloud.size();
-  summary.fields = decoded.format.fields;
-  summary.time_field = decoded.format.time_field;
-  summary.time_unit = decoded.format.time_unit;
-  summary.absolute_times = decoded.format.absolute_times;
-  summary.foreign_clock = decoded.format.foreign_clock;
-  summary.first_time = decoded.format.first_time;
-  summary.last_time = decoded.format.last_time;
+  static_cast<CloudFormat&>(summary) = decoded.format;
   add_seam(decoded.scan.cloud, summary);
   return summary;
 }

@@ -2,6 +2,7 @@
 #include "point_fields.hpp"
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -63,9 +64,9 @@ const PointField& coordinate_field(const CloudView& message, const std::string& 
 }
 
 std::string field_names(const CloudView& message) {
-  std::string names;
-  for (const PointField& field : message.fields) names += (names.empty() ? "" : " ") + field.name;
-  return names;
+  std::vector<std::string> names;
+  for (const PointField& field : message.fields) names.push_back(field.name);
+  return joined(names, " ");
 }
 
 /// Sizes are compared by division, so that no product of theirs overflows.

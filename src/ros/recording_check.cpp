@@ -9,6 +9,7 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -60,11 +61,11 @@ std::optional<CheckDiagnostic> raw_data_in(const BagSet& bags,
 
 /// "; other clouds: /a, /b" or nothing.
 std::string other_clouds(const RecordingCheck& recording) {
-  std::string names;
+  std::vector<std::string> names;
   for (const std::string& topic : cloud_topics(*recording.bags)) {
-    if (topic != recording.topics.points) names += (names.empty() ? "" : ", ") + topic;
+    if (topic != recording.topics.points) names.push_back(topic);
   }
-  return names.empty() ? names : "; other clouds: " + names;
+  return names.empty() ? "" : "; other clouds: " + joined(names);
 }
 
 /// End of the checked part.

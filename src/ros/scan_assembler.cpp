@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/front_end/prior_of.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -17,19 +18,13 @@ namespace {
 constexpr std::size_t kMostWaiting = 50;
 /// An input is taken as lost after this number of newer scans. Chosen: 1 s with most sensors.
 constexpr std::size_t kLost = 10;
-/// Longest gap of the external odometry over which poses are interpolated.
-constexpr Stamp kLongestGap = from_seconds(0.5);
+/// s: longest gap of the external odometry over which poses are interpolated. Chosen: a vehicle
+/// changes its motion within a second.
+constexpr double kLongestGap = 0.5;
 /// Largest numbers of samples, and of poses of an external odometry, that are kept without a scan.
 /// Chosen: 20 s at 10 Hz, and 25 s at 200 Hz; bounds the memory.
 constexpr std::size_t kMostSamples = 200;
 constexpr std::size_t kMostOdometry = 5000;
-
-/// Pose of base_link in East-North-Up, where position and heading are both known.
-std::optional<Pose> pose_from(const std::optional<GnssPosition>& gnss) {
-  if (!gnss || !gnss->R_enu_base) return std::nullopt;
-  const Eigen::Quaterniond& R_enu_base = *gnss->R_enu_base;
-  return Pose{R_enu_base, gnss->p_enu_antenna - R_enu_base * gnss->p_base_antenna};
-}
 
 }  // namespace
 
@@ -132,7 +127,7 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   SyncedInputs inputs = inputs_.take(stamp).value_or(SyncedInputs{});
   assembled.prior = front_end::prior_of(imu_.take(stamp), velocity_.take(stamp),
                                         std::move(inputs.uneven_turning), inputs.felt);
-  assembled.prior.T_odom_base_initial = pose_from(gnss_.take(stamp));
+  if (const auto gnss = gnss_.take(stamp)) assembled.prior.T_odom_base_initial = gnss->T_enu_base();
   if (external_odometry_) {
     assembled.prior.T_external_base = odometry_at(stamp);
     if (!assembled.prior.T_external_base) {
@@ -149,10 +144,8 @@ std::optional<Pose> ScanAssembler::odometry_at(Stamp stamp) const {
   if (after->first == stamp) return after->second;
   if (after == odometry_.begin()) return std::nullopt;
   const auto before = std::prev(after);
-  const Stamp gap = after->first - before->first;
-  if (gap > kLongestGap) return std::nullopt;
-  return interpolate(before->second, after->second,
-                     to_seconds(stamp - before->first) / to_seconds(gap));
+  return pose_between({before->first, before->second}, {after->first, after->second}, stamp,
+                      kLongestGap);
 }
 
 }  // namespace lidar_mapping::ros_border

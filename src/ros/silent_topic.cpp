@@ -5,12 +5,14 @@
 
 #include <ros/master.h>
 
+#include "lidar_mapping/common/text.hpp"
+
 namespace lidar_mapping::ros_border {
 
 std::string why_silent(const std::string& topic, const std::string& type,
                        const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own, const std::string& remedy) {
-  std::string others;
+  std::vector<std::string> others;
   for (const PublishedTopic& other : published) {
     if (other.name == topic && other.type == type) {
       return "nothing has come on " + topic + " yet, which is published";
@@ -19,14 +21,14 @@ std::string why_silent(const std::string& topic, const std::string& type,
       return topic + " is published as " + other.type + ", not as " + type;
     }
     if (other.type != type || own.count(other.name) > 0) continue;
-    others += (others.empty() ? "" : ", ") + other.name;
+    others.push_back(other.name);
   }
   const std::string problem = "nobody publishes " + topic;
   if (others.empty()) {
     return problem + ", nor another topic of " + type + ": play a bag or start the driver";
   }
-  return problem + "; topics of " + type + " that are published: " + others + " (choose one with " +
-         remedy + ":=TOPIC)";
+  return problem + "; topics of " + type + " that are published: " + joined(others) +
+         " (choose one with " + remedy + ":=TOPIC)";
 }
 
 std::vector<PublishedTopic> published_topics() {

@@ -9,6 +9,7 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
@@ -43,19 +44,13 @@ Kind kind_of(const CloudView& cloud) try {
   return Kind::kUnknown;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " or ") + word;
-  return text;
-}
-
 /// Checks that a requested topic exists; without a request takes the usual topic if it exists.
 void resolve_topic(std::string& wanted, const std::string& usual,
                    const std::vector<std::string>& types, const BagSet& bags) {
   if (wanted.empty()) {
     if (bags.has(usual, types)) wanted = usual;
   } else if (!bags.has(wanted, types)) {
-    throw InputError("there is no topic " + wanted + " of type " + joined(types) +
+    throw InputError("there is no topic " + wanted + " of type " + joined(types, " or ") +
                      " in the bags; rosbag info shows what there is");
   }
 }

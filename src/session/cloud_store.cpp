@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/session/cloud_store.hpp"
 
-#include <cstdio>
-
 #include "lidar_mapping/common/parallel.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::session {
 
@@ -42,9 +41,7 @@ std::vector<PointCloudPtr> CloudStore::clouds(const std::vector<KeyFrameIndex>& 
 }
 
 std::filesystem::path CloudStore::file(KeyFrameIndex index) const {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06u.pcd", index);
-  return folder_ / name;
+  return folder_ / formatted("%06u.pcd", index);
 }
 
 bool CloudStore::contains(KeyFrameIndex index) const {

@@ -8,6 +8,7 @@
 #include <sqlite3.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 namespace lidar_mapping::session {
 
@@ -115,7 +116,6 @@ double Statement::read_real() {
 }
 
 double Statement::read_coordinate() {
-  constexpr double kMaxCoordinate = 1e9;  // m, as in common/number_words.hpp
   const int column = column_;
   const bool has_value = !next_is_null();
   const double value = read_real();

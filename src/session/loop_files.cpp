@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::session {
@@ -30,14 +31,6 @@ std::string quoted(const std::string& text) {
 }
 
 using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
-
-Verdicts newest_verdicts(const Session& session) {
-  Verdicts verdicts;
-  for (const LoopVerdict& verdict : session.verdicts()) {
-    verdicts[{verdict.from, verdict.to}] = verdict;
-  }
-  return verdicts;
-}
 
 /// False for a later verdict of the graph, which has no figures of a match.
 bool has_figures(const LoopVerdict& verdict) {
@@ -63,7 +56,7 @@ std::vector<LoopVerdict> candidates(const Session& session) {
   return result;
 }
 
-LoopVerdict verdict_on(const Loop& loop, const Verdicts& verdicts) {
+LoopVerdict newest_verdict(const Loop& loop, const Verdicts& verdicts) {
   const auto found = verdicts.find({loop.from, loop.to});
   return found == verdicts.end() ? LoopVerdict{} : found->second;
 }
@@ -72,9 +65,8 @@ Pose pose_of(const std::vector<double>& numbers) {
   Pose pose;
   pose.translation = {numbers[0], numbers[1], numbers[2]};
   if (numbers.size() < 6) return pose;
-  pose.rotation = Eigen::AngleAxisd(numbers[5] * kRadPerDeg, Eigen::Vector3d::UnitZ()) *
-                  Eigen::AngleAxisd(numbers[4] * kRadPerDeg, Eigen::Vector3d::UnitY()) *
-                  Eigen::AngleAxisd(numbers[3] * kRadPerDeg, Eigen::Vector3d::UnitX());
+  pose.rotation =
+      rotation_from_rpy(numbers[3] * kRadPerDeg, numbers[4] * kRadPerDeg, numbers[5] * kRadPerDeg);
   return pose;
 }
 
@@ -133,14 +125,14 @@ LoopEdit parse_edit(const std::string& line, const std::string& where) {
 }  // namespace
 
 void write_loops_csv(const Session& session, const std::filesystem::path& path) {
-  const Verdicts verdicts = newest_verdicts(session);
+  const Verdicts verdicts = newest_verdicts(session.verdicts());
   std::ostringstream text;
   text << std::setprecision(12)
        << "from,to,stamp_ns,x,y,z,qx,qy,qz,qw,fitness,overlap,source,decision,verdict,reason\n";
   for (const Loop& loop : session.loops()) {
     const Eigen::Vector3d& t = loop.T_from_to.translation;
     const Eigen::Quaterniond& q = loop.T_from_to.rotation;
-    const LoopVerdict verdict = verdict_on(loop, verdicts);
+    const LoopVerdict verdict = newest_verdict(loop, verdicts);
     text << loop.from << ',' << loop.to << ',' << loop.stamp << ',' << t.x() << ',' << t.y() << ','
          << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << ','
          << loop.fitness << ',' << loop.overlap << ',' << to_string(loop.source) << ','
@@ -165,11 +157,11 @@ void write_candidates_csv(const Session& session, const std::filesystem::path& p
 }
 
 void write_loop_list(const Session& session, const std::filesystem::path& path) {
-  const Verdicts verdicts = newest_verdicts(session);
+  const Verdicts verdicts = newest_verdicts(session.verdicts());
   std::ostringstream text;
   text << kListHead << std::fixed << std::setprecision(2);
   for (const Loop& loop : session.loops()) {
-    const LoopVerdict verdict = verdict_on(loop, verdicts);
+    const LoopVerdict verdict = newest_verdict(loop, verdicts);
     text << std::left << std::setw(6) << to_string(loop.decision) << ' ' << loop.from << ' '
          << loop.to << "  # " << to_string(verdict.verdict) << ", overlap " << loop.overlap
          << ", found by " << to_string(loop.source) << ": " << verdict.reason << '\n';

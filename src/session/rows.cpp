@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 namespace lidar_mapping::session {
 
@@ -53,9 +54,7 @@ class Reader {
 
   /// All integers of this type are stamps; the limit keeps their differences within the type.
   void process(std::int64_t& value) {
-    // Nanoseconds, up to 2112 as in common/number_words.cpp. The largest integer, 9.2e18, is more
-    // than twice as large.
-    constexpr std::int64_t kLatest = 4'500'000'000'000'000'000;
+    constexpr std::int64_t kLatest = from_seconds(kMaxTime);  // half of the largest integer
     value = row_.read_integer(-kLatest, kLatest);
   }
   void process(std::uint32_t& value) { read_number(value); }

@@ -13,7 +13,7 @@ namespace {
 
 Pose gnss_pose(const GnssPosition& position, const Eigen::Quaterniond& optimized_rotation) {
   const Eigen::Quaterniond rotation = position.R_enu_base.value_or(optimized_rotation);
-  return {rotation, position.p_enu_antenna - rotation * position.p_base_antenna};
+  return {rotation, position.p_enu_base(rotation)};
 }
 
 std::set<Stamp> stamps_of(const Trajectory& trajectory) {

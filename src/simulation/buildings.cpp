@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "palette.hpp"
@@ -169,8 +170,7 @@ void add_roof(TriangleMesh& mesh, const Pose& T_mesh_house, const HousePlan& pla
 }
 
 Pose wall_pose(double x, double y, double yaw) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
-          Eigen::Vector3d(x, y, 0.0)};
+  return {rotation_about_z(yaw), Eigen::Vector3d(x, y, 0.0)};
 }
 
 }  // namespace

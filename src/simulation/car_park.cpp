@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "buildings.hpp"
@@ -100,11 +101,6 @@ void add_plate(TriangleMesh& mesh, double x0, double y0, double x1, double y1, d
   add_quad(mesh, {x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}, reflectivity);
 }
 
-void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-               Reflectivity reflectivity) {
-  add_box(mesh, Pose{Eigen::Quaterniond::Identity(), 0.5 * (low + high)}, high - low, reflectivity);
-}
-
 /// A slab whose top is at `z`, with a hole for the ramp from below.
 void add_slab(TriangleMesh& mesh, double z) {
   const double y0 = kRampY - kRampHalfWidth, y1 = kRampY + kRampHalfWidth;
@@ -159,8 +155,7 @@ void add_parked_cars(TriangleMesh& mesh, double z, Random& random) {
       const Random own(random.bits());
       if (!random.chance(0.5)) continue;
       append(mesh, random.chance(0.1) ? make_van(own) : make_car(own),
-             {Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ())),
-              {x, y + shift, z}});
+             {rotation_about_z(turn), {x, y + shift, z}});
     }
   }
 }
@@ -187,7 +182,7 @@ void add_neighbours(TriangleMesh& mesh, Random& random) {
     const HousePlan plan{random.uniform(12.0, 20.0), random.uniform(9.0, 12.0),
                          random.integer(2, 5), 0.5};
     add_house(mesh,
-              {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+              {rotation_about_z(yaw),
                {x + random.uniform(-2.0, 2.0), y + random.uniform(-2.0, 2.0), 0.1}},
               plan, Random(random.bits()));
   };

@@ -25,11 +25,6 @@ constexpr double kTiltDuration = 1.0;   ///< Duration of a short roll or pitch, 
 constexpr double kTiltAngle = 0.5;      ///< Largest angle of one, rad (29 degrees); chosen.
 constexpr double kTiltPeriod = 4.0;     ///< s
 
-double smooth_step(double u) {
-  const double v = std::clamp(u, 0.0, 1.0);
-  return v * v * v * (10.0 + v * (6.0 * v - 15.0));
-}
-
 /// Fraction of the flight height: 0 on the ground, 1 in flight.
 double flight_fraction(double seconds, double end) {
   return smooth_step((seconds - 3.0) / kTakeOff) * smooth_step((end - 2.0 - seconds) / kTakeOff);

@@ -35,6 +35,14 @@ std::vector<std::string> fault_names(const Descriptions& descriptions) {
   return names;
 }
 
+/// How the faults in a table are written, with the ranges of their values.
+template <typename Descriptions>
+std::vector<std::string> fault_formats(const Descriptions& descriptions) {
+  std::vector<std::string> formats;
+  for (const auto& known : descriptions) formats.emplace_back(known.format);
+  return formats;
+}
+
 /// Parses a fault of a table (with `name` and `form` of each): `default_fault` creates it without a
 /// value, and `read_value` reads the value into it. Throws ConfigError for any other text.
 template <typename Descriptions, typename MakeDefault, typename ReadValue>

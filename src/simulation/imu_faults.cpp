@@ -5,8 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
@@ -92,7 +91,7 @@ void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {
 }
 
 void rotate_by_quarter(ImuSample& sample) {
-  const Eigen::Quaterniond R_quarter(Eigen::AngleAxisd((0.5 * kPi), Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond R_quarter = rotation_about_z(0.5 * kPi);
   sample.angular_velocity = R_quarter * sample.angular_velocity;
   sample.linear_acceleration = R_quarter * sample.linear_acceleration;
   if (sample.orientation) *sample.orientation = *sample.orientation * R_quarter.conjugate();
@@ -151,6 +150,8 @@ ImuFault parse_imu_fault(const std::string& text) {
 }
 
 std::vector<std::string> imu_fault_names() { return fault_names(kDescriptions); }
+
+std::vector<std::string> imu_fault_formats() { return fault_formats(kDescriptions); }
 
 void corrupt(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
              std::uint64_t seed) {

@@ -2,7 +2,6 @@
 #include "imu_model.hpp"
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 

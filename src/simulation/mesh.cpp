@@ -47,6 +47,11 @@ void add_box(TriangleMesh& mesh, const Pose& T_mesh_box, const Eigen::Vector3d& 
   }
 }
 
+void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+               Reflectivity reflectivity) {
+  add_box(mesh, Pose{Eigen::Quaterniond::Identity(), 0.5 * (low + high)}, high - low, reflectivity);
+}
+
 void add_tube(TriangleMesh& mesh, const Eigen::Vector3d& foot, const Eigen::Vector3d& axis,
               double foot_radius, double top_radius, int sides, Reflectivity reflectivity) {
   const Eigen::Vector3d u = axis.unitOrthogonal();

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/rotations.hpp"
+
 namespace lidar_mapping::simulation {
 
 namespace {
@@ -23,9 +25,7 @@ void add_wall(TriangleMesh& mesh, const Eigen::Vector2d& a, const Eigen::Vector2
   const auto piece = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, double low,
                          double high) {
     const Eigen::Vector2d centre = 0.5 * (from + to);
-    add_box(mesh,
-            {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
-             {centre.x(), centre.y(), 0.5 * (low + high)}},
+    add_box(mesh, {rotation_about_z(yaw), {centre.x(), centre.y(), 0.5 * (low + high)}},
             {(to - from).norm(), kWall, high - low}, paint);
   };
   if (!door) return piece(a, b, 0.0, kCeiling);
@@ -40,10 +40,8 @@ void add_furniture(TriangleMesh& mesh, const Eigen::Vector2d& wall, const Eigen:
   const double yaw = std::atan2(along.y(), along.x());
   const auto add_piece = [&](double s, double in, const Eigen::Vector3d& size, double foot) {
     const Eigen::Vector2d at = wall + s * along + in * inwards;
-    add_box(mesh,
-            {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
-             {at.x(), at.y(), foot + 0.5 * size.z()}},
-            size, static_cast<Reflectivity>(random.integer(40, 190)));
+    add_box(mesh, {rotation_about_z(yaw), {at.x(), at.y(), foot + 0.5 * size.z()}}, size,
+            static_cast<Reflectivity>(random.integer(40, 190)));
   };
   // Shelves and tables stand at the outer wall and in the corners, away from the path.
   const double outer = kOfficeRoomDepth - 0.35;

@@ -7,7 +7,6 @@
 
 #include <GeographicLib/LocalCartesian.hpp>
 
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 

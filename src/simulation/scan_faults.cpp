@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 
@@ -125,19 +124,19 @@ bool read(const Description& known, const std::optional<std::string>& value, Sca
 
 /// Keeps a random subset of `max` points, in their order.
 void keep_random_subset(SimulatedScan& scan, std::size_t max, Random random) {
-  std::size_t amount_of = max;
+  std::size_t remaining = max;
   std::size_t kept = 0;
   const std::size_t size = scan.cloud.size();
   if (size <= max) return;
   for (std::size_t i = 0; i < size; ++i) {
-    const double chance = static_cast<double>(amount_of) / static_cast<double>(size - i);
+    const double chance = static_cast<double>(remaining) / static_cast<double>(size - i);
     if (!random.chance(chance)) continue;
     scan.cloud.points[kept] = scan.cloud.points[i];
     scan.moving[kept] = scan.moving[i];
     scan.rays[kept] = scan.rays[i];
     if (scan.cloud.has_times()) scan.cloud.times[kept] = scan.cloud.times[i];
     ++kept;
-    --amount_of;
+    --remaining;
   }
   scan.cloud.points.resize(kept);
   scan.moving.resize(kept);
@@ -153,6 +152,8 @@ ScanFault parse_scan_fault(const std::string& text) {
   };
   return parse_fault(text, kDescriptions, default_fault, read);
 }
+
+std::vector<std::string> scan_fault_formats() { return fault_formats(kDescriptions); }
 
 ScanFaults::ScanFaults(std::vector<ScanFault> faults, std::uint64_t seed)
     : faults_(std::move(faults)), seed_(seed) {}

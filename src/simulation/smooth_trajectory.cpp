@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/rotations.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -34,14 +35,8 @@ std::array<double, kDegree + 1> basis(double u, int degree) {
   return weights;
 }
 
-Eigen::Quaterniond from_euler(double yaw, double pitch, double roll) {
-  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
-}
-
 Pose to_pose(const Vector6d& value) {
-  return {from_euler(value(3), value(4), value(5)), value.head<3>()};
+  return {rotation_from_rpy(value(5), value(4), value(3)), value.head<3>()};
 }
 
 Eigen::Vector3d body_rates(const Vector6d& value, const Vector6d& first) {

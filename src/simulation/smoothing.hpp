@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace lidar_mapping::simulation {
+
+/// From 0 at u = 0 (and below) to 1 at u = 1 (and above), with two continuous derivatives.
+inline double smooth_step(double u) {
+  const double v = std::clamp(u, 0.0, 1.0);
+  return v * v * v * (10.0 + v * (6.0 * v - 15.0));
+}
 
 /// Moving average over 2 `half_width` + 1 values, repeated `passes` times; three passes are close
 /// to a Gaussian filter. The sequence is extended point-symmetrically beyond its ends, so that both

@@ -22,11 +22,6 @@ constexpr int kSteps = 10;           ///< Steps of a flight.
 constexpr double kTread = kFlightLength / kSteps;
 constexpr double kRise = 0.5 * kStairStorey / kSteps;  ///< m
 
-void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-               Reflectivity reflectivity) {
-  add_box(mesh, Pose{Eigen::Quaterniond::Identity(), 0.5 * (low + high)}, high - low, reflectivity);
-}
-
 /// A wall along x; its inner face is in the plane y = side * kHalfWidth.
 void add_side_wall(TriangleMesh& mesh, double x0, double x1, double side, double low, double high,
                    Reflectivity paint) {

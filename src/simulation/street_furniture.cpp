@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/rotations.hpp"
+
 #include "palette.hpp"
 
 namespace lidar_mapping::simulation {
 
 namespace {
 
-Pose upright(const Eigen::Vector3d& at, double yaw) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), at};
-}
+Pose upright(const Eigen::Vector3d& at, double yaw) { return {rotation_about_z(yaw), at}; }
 
 Eigen::Vector3d random_direction(Random& random) {
   return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();

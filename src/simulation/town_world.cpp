@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "buildings.hpp"
@@ -85,9 +86,8 @@ class BlockBuilder {
     plan.floors = random_.integer(1, 4);
     const Eigen::Vector2d front = side.at(s + 0.5 * width, in);
     const Eigen::Vector3d foot = on_pavement(front);
-    const Pose T_mesh_house{
-        Eigen::Quaterniond(Eigen::AngleAxisd(side.yaw, Eigen::Vector3d::UnitZ())),
-        foot + Eigen::Vector3d(0.0, 0.0, random_.uniform(0.05, 0.5))};
+    const Pose T_mesh_house{rotation_about_z(side.yaw),
+                            foot + Eigen::Vector3d(0.0, 0.0, random_.uniform(0.05, 0.5))};
     plan.cellar = 2.5;
     add_house(mesh_, T_mesh_house, plan, split());
     if (garden > 0.0) add_garden(side, s, width, garden);

@@ -5,12 +5,13 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "smoothing.hpp"
+
 namespace lidar_mapping::simulation {
 
 namespace {
 
 /// Rises from 0 to 1 with rates and accelerations of 0 at both ends; the highest rate is 15/8.
-double smooth_step(double u) { return u * u * u * (10.0 + u * (6.0 * u - 15.0)); }
 constexpr double kPeakOfRate =
     15.0 / 8.0;  ///< Largest value of its derivative, at u = 1/2, by calculus.
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "buildings.hpp"
@@ -108,10 +109,7 @@ void add_houses(TriangleMesh& mesh, const Path& path, Random& random) {
     const Eigen::Vector2d at = beside(path, s, kLane + side * off);
     // The front faces the road.
     const double yaw = path.heading(s) + (side > 0.0 ? 0.0 : kPi) + turn;
-    add_house(mesh,
-              {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
-               {at.x(), at.y(), 0.1}},
-              plan, own);
+    add_house(mesh, {rotation_about_z(yaw), {at.x(), at.y(), 0.1}}, plan, own);
   }
 }
 

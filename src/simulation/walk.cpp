@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "mounting.hpp"
@@ -89,9 +90,7 @@ void add_guide(World& world, const std::vector<double>& stations, const Path& pa
   for (std::size_t i = 0; i < stations.size(); i += 5) {
     const double s = std::min(stations[i] + 4.0, path.length());
     const Eigen::Vector2d at = path.position(s);
-    ahead.T_map_shape.push_back(
-        {Eigen::Quaterniond(Eigen::AngleAxisd(path.heading(s), Eigen::Vector3d::UnitZ())),
-         {at.x(), at.y(), 0.0}});
+    ahead.T_map_shape.push_back({rotation_about_z(path.heading(s)), {at.x(), at.y(), 0.0}});
   }
   world.shapes.push_back(make_pedestrian(Random(random.bits())));
   world.movers.push_back(std::move(ahead));

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -57,9 +58,9 @@ std::filesystem::path program_beside(const std::string& name) {
 }
 
 std::string command_line(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quoted(word);
-  return text;
+  std::vector<std::string> texts;
+  for (const std::string& word : words) texts.push_back(quoted(word));
+  return joined(texts, " ");
 }
 
 }  // namespace lidar_mapping::tools

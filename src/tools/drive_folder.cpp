@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "drive_output.hpp"
@@ -24,18 +24,13 @@ void write_values(const fs::path& path, const std::vector<T>& values) {
 }
 
 std::string file_name(std::size_t index, const char* ending) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu.%s", index, ending);
-  return name;
+  return formatted("%06zu.%s", index, ending);
 }
 
 std::string times_text(const simulation::Drive& drive) {
   std::string text;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    char line[32];
-    std::snprintf(line, sizeof line, "%.9f\n",
-                  to_seconds(drive.reported_stamp(i) - drive.reported_stamp(0)));
-    text += line;
+    text += formatted("%.9f\n", to_seconds(drive.reported_stamp(i) - drive.reported_stamp(0)));
   }
   return text;
 }

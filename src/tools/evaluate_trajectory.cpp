@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
@@ -64,9 +66,7 @@ Pose lever_arm_of(const Options& options) {
   if (!options.lever_arm.empty()) pose.translation = Eigen::Vector3d(options.lever_arm.data());
   if (!options.lever_rotation_deg.empty()) {
     const Eigen::Vector3d angles = Eigen::Vector3d(options.lever_rotation_deg.data()) * kRadPerDeg;
-    pose.rotation = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
-                    Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
-                    Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+    pose.rotation = rotation_from_rpy(angles.x(), angles.y(), angles.z());
   }
   return pose;
 }
@@ -118,13 +118,12 @@ void print(const Json& result) {
               result["length_m"].get<double>(), result["alignment"].get<std::string>().c_str());
   const double scale = result["scale"];
   scale == 1.0 ? std::printf("\n") : std::printf(", scale %.6f\n", scale);
-  char delta[40] = "each step";
   const double metres = result["rpe_delta_m"];
-  if (metres > 0.0) std::snprintf(delta, sizeof delta, "%g m", metres);
+  const std::string delta = metres > 0.0 ? formatted("%g m", metres) : "each step";
   row("APE translation", result["ape"]["translation_m"], "m");
   row("APE rotation", result["ape"]["rotation_deg"], "deg");
-  row(std::string("RPE translation, ") + delta, result["rpe"]["translation_m"], "m");
-  row(std::string("RPE rotation, ") + delta, result["rpe"]["rotation_deg"], "deg");
+  row("RPE translation, " + delta, result["rpe"]["translation_m"], "m");
+  row("RPE rotation, " + delta, result["rpe"]["rotation_deg"], "deg");
   const Json& kitti = result["kitti"];
   if (kitti["segments"] == 0) {
     std::printf("KITTI: the path is shorter than the shortest segment\n");

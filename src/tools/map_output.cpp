@@ -14,6 +14,9 @@ namespace lidar_mapping::tools {
 
 namespace {
 
+/// s; poses further apart are not interpolated. Chosen: a vehicle changes its way within a second.
+constexpr double kLongestGap = 0.5;
+
 using map::MapConfig;
 using session::Session;
 
@@ -50,21 +53,6 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const S
   return origin;
 }
 
-std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory) {
-  constexpr Stamp kGap = from_seconds(0.5);
-  const auto after =
-      std::lower_bound(trajectory.poses.begin(), trajectory.poses.end(), stamp,
-                       [](const StampedPose& pose, Stamp wanted) { return pose.stamp < wanted; });
-  if (after == trajectory.poses.end()) return std::nullopt;
-  if (after->stamp == stamp) return after->pose;
-  if (after == trajectory.poses.begin()) return std::nullopt;
-  const StampedPose& before = *(after - 1);
-  const Stamp between = after->stamp - before.stamp;
-  if (between > kGap) return std::nullopt;
-  return interpolate(before.pose, after->pose,
-                     to_seconds(stamp - before.stamp) / to_seconds(between));
-}
-
 }  // namespace
 
 void check_numbers(const MapOutput& output) {
@@ -88,7 +76,7 @@ KeyFramePoses key_frame_poses(const Session& session, const MapOutput& output) {
   }
   KeyFramePoses placed;
   for (const KeyFrame& key_frame : session.key_frames()) {
-    const auto pose = pose_at(key_frame.stamp, trajectory);
+    const auto pose = pose_at(key_frame.stamp, trajectory, kLongestGap);
     if (pose) placed.poses.push_back({key_frame.index, key_frame.stamp, *pose});
   }
   if (placed.poses.empty()) {

@@ -12,10 +12,10 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/loop_closing/method_notice.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
-#include "lidar_mapping/pipeline/thread_time.hpp"
 
 #include "child_program.hpp"
 #include "mapping_figures.hpp"
@@ -171,7 +171,7 @@ class MappingRun {
     mapped_from_ = std::max(begin_, pipeline_->resume_time().value_or(begin_));
     if (mapped_from_ > input.begin()) input.skip_to(mapped_from_);
     progress_->begin_at(mapped_from_);
-    const pipeline::ThreadTime reading;
+    const ThreadTime reading;
     EndOfPart part(options_.duration > 0.0 ? end_ : std::numeric_limits<Stamp>::max());
     while (stop_requested_ == 0 && !part.is_over()) {
       auto datum = input.next();
@@ -182,7 +182,7 @@ class MappingRun {
       progress_->show(pipeline_->progress());
     }
     reading_seconds_ = reading.seconds();
-    streamed_ = progress_->seconds();
+    stream_seconds_ = progress_->seconds();
     report_ = pipeline_->finish();
     progress_->show(pipeline_->progress());
     print_messages(input);
@@ -245,7 +245,7 @@ class MappingRun {
   }
 
   RunTimes times(double mapped, double map) const {
-    return {reading_seconds_, streamed_, mapped, map, progress_->seconds()};
+    return {reading_seconds_, stream_seconds_, mapped, map, progress_->seconds()};
   }
 
   MappingOptions options_;
@@ -260,7 +260,7 @@ class MappingRun {
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   pipeline::PipelineReport report_;
   double reading_seconds_ = 0.0;
-  double streamed_ = 0.0;
+  double stream_seconds_ = 0.0;
 };
 
 }  // namespace

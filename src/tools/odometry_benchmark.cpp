@@ -14,11 +14,12 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 
-#include "article_odometry.hpp"
+#include "baseline_odometry.hpp"
 #include "benchmark_figures.hpp"
 #include "config_path.hpp"
 #include "json.hpp"
 #include "number_checks.hpp"
+#include "process_memory.hpp"
 #include "recording.hpp"
 
 namespace {
@@ -27,8 +28,8 @@ using namespace lidar_mapping;
 using campaign::ScanRecord;
 using json::Json;
 
-/// Name of a whole front end instead of a method: that of the articles (article_odometry.hpp).
-const std::string kArticles = "LIDAR_LOCALIZATION";
+/// Name of a whole front end instead of a method: that of the articles (baseline_odometry.hpp).
+const std::string kBaseline = "LIDAR_LOCALIZATION";
 
 struct Options {
   std::string recording;
@@ -54,7 +55,7 @@ front_end::FrontEndConfig make_config(const Options& options) {
   std::vector<config::Source> sources;
   const std::string file = tools::only_stage_file(options.config, "front_end");
   if (!file.empty()) sources.push_back(config::read_yaml_file(file));
-  if (!options.method.empty() && options.method != kArticles) {
+  if (!options.method.empty() && options.method != kBaseline) {
     sources.push_back(config::parse_yaml("registration_method: " + options.method, "--method"));
   }
   sources.push_back(config::parse_yaml("threads: " + std::to_string(options.threads), "--threads"));
@@ -68,9 +69,9 @@ using Process = std::function<front_end::FrontEndResult(const Scan&)>;
 
 Process make_process(const Options& options, const front_end::FrontEndConfig& config,
                      const Pose& T_base_sensor) {
-  if (options.method == kArticles) {
+  if (options.method == kBaseline) {
     return
-        [odometry = std::make_shared<tools::ArticleOdometry>(), T_base_sensor](const Scan& scan) {
+        [odometry = std::make_shared<tools::BaselineOdometry>(), T_base_sensor](const Scan& scan) {
           return odometry->process({scan.stamp, transformed(scan.cloud, T_base_sensor)});
         };
   }
@@ -142,6 +143,8 @@ std::vector<evaluation::PosePair> paired(const Trajectory& truth,
   return pairs;
 }
 
+double peak_memory_mb() { return static_cast<double>(tools::peak_bytes()) / (1024.0 * 1024.0); }
+
 void write_text(const std::string& path, const std::string& text) {
   if (path.empty()) return;
   std::ofstream file(path);
@@ -158,7 +161,7 @@ void run(const Options& options) {
       {options.elevation_correction_deg * kRadPerDeg, options.time_from_azimuth});
   const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
-  const double memory_before = campaign::peak_memory_mb();
+  const double memory_before = peak_memory_mb();
   const Process process = make_process(options, config, recording.T_base_sensor);
   std::vector<ScanRecord> records;
   for (const std::size_t i : scans) add_timed(process, recording.scan(i), records);
@@ -168,8 +171,8 @@ void run(const Options& options) {
       {"method", options.method.empty() ? to_string(config.registration.method) : options.method},
       {"threads", options.threads}};
   result.update(campaign::figures_of(records));
-  result["peak_memory_mb"] = campaign::peak_memory_mb();
-  result["memory_over_start_mb"] = campaign::peak_memory_mb() - memory_before;
+  result["peak_memory_mb"] = peak_memory_mb();
+  result["memory_over_start_mb"] = peak_memory_mb() - memory_before;
   if (!options.truth.empty()) {
     const auto pairs = paired(read_trajectory(options.truth), scans, records);
     result.update(campaign::errors_of(pairs));
@@ -190,7 +193,7 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--topic", options.topic, "topic of a bag; else its first PointCloud2");
   app.add_option("--method", options.method,
-                 "registration_method, or " + kArticles + " for the scheme of the articles");
+                 "registration_method, or " + kBaseline + " for the scheme of the articles");
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) + "; parameters of the front end");

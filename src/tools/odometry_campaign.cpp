@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 #include "campaign_case.hpp"
@@ -66,12 +67,11 @@ void print_head() {
 }
 
 void print(const CampaignFigures& f, const std::string& line) {
-  char drift[32] = "-";
-  if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
+  const std::string drift = f.drift_percent ? formatted("%.4f", *f.drift_percent) : "-";
   std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n",
-              drift, f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded, f.doubtful,
-              f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape, f.path_length,
-              line.c_str());
+              drift.c_str(), f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded,
+              f.doubtful, f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape,
+              f.path_length, line.c_str());
   std::fflush(stdout);
 }
 

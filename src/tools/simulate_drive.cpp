@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "drive_output.hpp"
@@ -41,14 +42,12 @@ std::pair<double, double> split(const std::string& text, const char* option) {
   return {first, second};
 }
 
-std::string fault_names() {
-  std::string names =
-      "outliers=SHARE, rain=SHARE, wall, jitter=S, frozen=TIMES,EVERY_S, sparse=N, "
-      "times=none|negated, "
-      "imu_vibration=M_PER_S2, imu_scale=SHARE, imu_axis=gx|gy|gz|ax|ay|az, imu_clip=G,RAD_PER_S, "
-      "imu_frame, imu_units=g|degrees, imu_offset=S, imu_gap=S,EVERY_S";
-  for (const auto& [name, fault] : tools::bag_faults()) names += ", " + name;
-  return names;
+/// All faults, as they are written on the command line.
+std::string fault_formats() {
+  std::vector<std::string> formats = simulation::scan_fault_formats();
+  for (const std::string& of_imu : simulation::imu_fault_formats()) formats.push_back(of_imu);
+  for (const auto& [name, fault] : tools::bag_faults()) formats.push_back(name);
+  return joined(formats, "; ");
 }
 
 /// Adds a fault of the bag, of the scans or of the IMU.
@@ -61,7 +60,7 @@ void add_fault(const std::string& text, Options& options) {
   try {
     simulation::add_fault(options.drive, text);
   } catch (const ConfigError& error) {
-    throw ConfigError(std::string("--") + error.what() + " (all faults: " + fault_names() + ")");
+    throw ConfigError(std::string("--") + error.what() + " (all faults: " + fault_formats() + ")");
   }
 }
 
@@ -97,7 +96,7 @@ void add_arguments(CLI::App& app, Options& options) {
       ->check(CLI::IsMember(simulation::imu_names()))
       ->capture_default_str();
   app.add_option("--fault", options.faults,
-                 "faults of the scans, the IMU or the bag (repeatable): " + fault_names())
+                 "faults of the scans, the IMU or the bag (repeatable): " + fault_formats())
       ->allow_extra_args(false);
   without("--no-lidar", options.content.lidar, "leave the clouds out");
   without("--no-imu", options.content.imu, "leave the IMU out");

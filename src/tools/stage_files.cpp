@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/config/load.hpp"
 
 #include "config_path.hpp"
@@ -37,9 +38,7 @@ std::string names_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, none)) {
     if (entry.path().extension() == ".yaml") names.insert(entry.path().stem());
   }
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return joined({names.begin(), names.end()});
 }
 
 /// `kind` is sensor or preset.
@@ -83,8 +82,9 @@ class StageReader {
 
   /// Throws if a given parameter had no effect. It is called when all stages are read.
   void finish() {
-    std::string stages;
-    for (const auto& [stage, text] : result.texts) stages += (stages.empty() ? "" : ", ") + stage;
+    std::vector<std::string> names;
+    for (const auto& [stage, text] : result.texts) names.push_back(stage);
+    const std::string stages = joined(names);
     if (!config_.empty() && !found_file_) {
       throw FileError("there is no <stage>.yaml in " + config_ + "; the stages are " + stages);
     }

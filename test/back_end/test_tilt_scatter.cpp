@@ -56,11 +56,15 @@ TiltError noise(double sigma, double length) {
   };
 }
 
+double stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
+  return tilt_stddev(drive, config) / kDeg;
+}
+
 TEST(TiltScatter, OfIndependentErrorsIsTheirStandardDeviation) {
-  const double stddev = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0)), {});
+  const double stddev = stddev_deg(round_drive(1000, noise(0.8, 0.0)), {});
   EXPECT_GT(stddev, 0.75);
   EXPECT_LT(stddev, 1.2);  // the largest of several estimates
-  const double in_segments = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0), 3), {});
+  const double in_segments = stddev_deg(round_drive(1000, noise(0.8, 0.0), 3), {});
   EXPECT_NEAR(in_segments, stddev, 0.2);
 }
 
@@ -68,7 +72,7 @@ TEST(TiltScatter, IncludesErrorsThatNeighboursHaveInCommon) {
   // The mean of n key frames has the variance 40 / n times 0.3^2; means of finite length show only
   // a part of it.
   const double honest = 0.3 * std::sqrt(2.0 * 20.0);
-  const double stddev = tilt_stddev_deg(round_drive(2000, noise(0.3, 20.0)), {});
+  const double stddev = stddev_deg(round_drive(2000, noise(0.3, 20.0)), {});
   EXPECT_GT(stddev, 0.7 * honest);
   EXPECT_LT(stddev, 1.3 * honest);
 }
@@ -78,32 +82,33 @@ TEST(TiltScatter, IncludesAMountingErrorOfTheImu) {
   const auto aslant = [](std::size_t i) {
     return Eigen::Vector3d(std::cos(heading(i)), std::sin(heading(i)), 0.0);
   };
-  EXPECT_EQ(tilt_stddev_deg(round_drive(1000, aslant), config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg(round_drive(1000, aslant), config),
+                   config.imu_orientation_stddev_deg);
 }
 
 TEST(TiltScatter, HasALowerBound) {
   const BackEndConfig config;
   const auto nothing = [](std::size_t) { return Eigen::Vector3d(0.0, 0.0, 0.0); };
-  EXPECT_EQ(tilt_stddev_deg(round_drive(1000, nothing), config),
-            0.25 * config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg(round_drive(1000, nothing), config),
+                   0.25 * config.imu_orientation_stddev_deg);
 }
 
 TEST(TiltScatter, IsAsConfiguredIfOnlyOdometryDeterminesTheHeight) {
   BackEndConfig config;
   DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
   drive.loops.front().evaluated = true;  // evaluated and not used
-  EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg(drive, config), config.imu_orientation_stddev_deg);
   drive.gnss.emplace_back();
-  EXPECT_LT(tilt_stddev_deg(drive, config), 1.2);
+  EXPECT_LT(stddev_deg(drive, config), 1.2);
   config.georeference_only = true;
-  EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg(drive, config), config.imu_orientation_stddev_deg);
 }
 
 TEST(TiltScatter, WeightsTheTiltWithoutChangingTheParameter) {
   const BackEndConfig config;
   DriveGraph drive = round_drive(1, noise(0.8, 0.0));
   EXPECT_NEAR(verticals(drive, config).front().stddev, 2.0 * kDeg, 1e-12);
-  drive.tilt_stddev_deg = 0.7;
+  drive.tilt_stddev = 0.7 * kDeg;
   EXPECT_NEAR(verticals(drive, config).front().stddev, 0.7 * kDeg, 1e-12);
 
   const test::SyntheticDrive laps = test::make_drive();
@@ -119,8 +124,8 @@ TEST(TiltScatter, WeightsTheTiltWithoutChangingTheParameter) {
   test::add_lap_loops(back_end, laps, 400, 5, engine);
   const auto problem = back_end.problem(true);
   EXPECT_EQ(problem->config.imu_orientation_stddev_deg, config.imu_orientation_stddev_deg);
-  ASSERT_TRUE(problem->drive.tilt_stddev_deg);
-  EXPECT_LT(*problem->drive.tilt_stddev_deg, config.imu_orientation_stddev_deg);
+  ASSERT_TRUE(problem->drive.tilt_stddev);
+  EXPECT_LT(*problem->drive.tilt_stddev, config.imu_orientation_stddev_deg * kDeg);
 }
 
 TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {
@@ -131,14 +136,14 @@ TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {
     drive.nodes[i].T_odom_base.rotation *= undone;
     *drive.imu[i].sample.orientation *= undone;
   }
-  EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg(drive, config), config.imu_orientation_stddev_deg);
 }
 
 TEST(TiltScatter, IsAsConfiguredForShortDrives) {
   const BackEndConfig config;
-  EXPECT_EQ(tilt_stddev_deg(round_drive(100, noise(0.1, 0.0)), config),
-            config.imu_orientation_stddev_deg);
-  EXPECT_EQ(tilt_stddev_deg({}, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg(round_drive(100, noise(0.1, 0.0)), config),
+                   config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(stddev_deg({}, config), config.imu_orientation_stddev_deg);
 }
 
 }  // namespace

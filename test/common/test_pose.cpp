@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/rotations.hpp"
 
 #include "near.hpp"
 
@@ -109,6 +110,14 @@ TEST(Covariance, RefusesWhatIsNone) {
   EXPECT_FALSE(is_valid_covariance(covariance));
   covariance(0, 0) = std::nan("");
   EXPECT_FALSE(is_valid_covariance(covariance));
+}
+
+TEST(Rotations, AreAboutTheFixedAxesInTheOrderRollPitchYaw) {
+  const Eigen::Vector3d p(1.0, 2.0, 3.0);
+  const Eigen::Vector3d expected =
+      exp_so3({0.0, 0.0, 0.9}) * (exp_so3({0.0, 0.4, 0.0}) * (exp_so3({-0.3, 0.0, 0.0}) * p));
+  EXPECT_LT((rotation_from_rpy(-0.3, 0.4, 0.9) * p - expected).norm(), 1e-12);
+  EXPECT_LT(rotation_angle(rotation_about_z(0.9).conjugate() * exp_so3({0.0, 0.0, 0.9})), 1e-12);
 }
 
 }  // namespace

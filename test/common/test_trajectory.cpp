@@ -100,5 +100,21 @@ TEST(TrajectoryTest, RefusesNonsenseWithFileAndLine) {
   }
 }
 
+TEST(PoseAt, InterpolatesWithinShortGapsOnly) {
+  Trajectory trajectory;
+  trajectory.poses.push_back({from_seconds(1.0), Pose{}});
+  trajectory.poses.push_back({from_seconds(1.4), {exp_so3({0.0, 0.0, 0.4}), {4.0, 0.0, 0.0}}});
+  trajectory.poses.push_back({from_seconds(2.4), {exp_so3({0.0, 0.0, 0.4}), {9.0, 0.0, 0.0}}});
+  const auto between = pose_at(from_seconds(1.1), trajectory, 0.5);
+  ASSERT_TRUE(between);
+  EXPECT_TRUE(test::near(*between, Pose{exp_so3({0.0, 0.0, 0.1}), {1.0, 0.0, 0.0}}, 1e-9));
+  EXPECT_TRUE(pose_at(from_seconds(2.4), trajectory, 0.5)) << "at a pose no gap matters";
+  EXPECT_FALSE(pose_at(from_seconds(2.0), trajectory, 0.5));
+  EXPECT_TRUE(pose_at(from_seconds(2.0), trajectory, 1.5));
+  EXPECT_FALSE(pose_at(from_seconds(0.9), trajectory, 0.5));
+  EXPECT_FALSE(pose_at(from_seconds(2.5), trajectory, 0.5));
+  EXPECT_FALSE(pose_at(from_seconds(1.0), Trajectory{}, 0.5));
+}
+
 }  // namespace
 }  // namespace lidar_mapping

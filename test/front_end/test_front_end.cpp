@@ -199,6 +199,21 @@ TEST(FrontEnd, RejectsStampsThatDoNotIncrease) {
   EXPECT_THROW(front_end.process(scan), InputError);
 }
 
+TEST(FrontEnd, SumsUpTheCovariancesOfTheSteps) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult last = front_end.process(drive.base_scan(0));
+  EXPECT_TRUE(front_end.pose_covariance().isZero(0.0)) << "the first pose is known by definition";
+  Covariance6 expected = Covariance6::Zero();
+  for (std::size_t i = 1; i < 10; ++i) {
+    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    expected = compose_covariance(expected, last.T_odom_base.inverse() * result.T_odom_base,
+                                  result.covariance);
+    EXPECT_EQ(front_end.pose_covariance(), expected) << i;
+    last = result;
+  }
+}
+
 TEST(FrontEnd, ContinuesNumberingAfterARestart) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};

@@ -218,6 +218,24 @@ TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {
   }
 }
 
+TEST(RecordedBackEnd, SearchesAgainWhereACandidateIsOpen) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  EXPECT_EQ(back_end.searched_key_frames(), 0U);
+  drive(back_end, 0, 40);
+  const auto decide = [&](KeyFrameIndex from, KeyFrameIndex to, Verdict decision) {
+    Loop loop;
+    loop.from = from;
+    loop.to = to;
+    back_end.session().add_verdict(verdict_on(loop, decision, "for the test"));
+  };
+  decide(3, 25, Verdict::kUndecided);
+  decide(5, 30, Verdict::kRefused);
+  EXPECT_EQ(back_end.searched_key_frames(), 25U) << "it is open yet";
+  decide(3, 25, Verdict::kAccepted);
+  EXPECT_EQ(back_end.searched_key_frames(), 31U);
+}
+
 TEST(RecordedBackEnd, ReturnsTheWarningsThatItWrites) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});

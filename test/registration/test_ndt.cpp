@@ -195,8 +195,8 @@ TEST(NdtKernels, WiderInstructionsGiveTheSameBits) {
     const NdtKernels& kernels = k == 0 ? portable_ndt_kernels() : *avx2_ndt_kernels();
     for (auto& array : q[k]) array.resize(kCount);
     cells[k].resize(kCount);
-    kernels.place(motion, 1.0F, points, kCount, q[k][0].data(), q[k][1].data(), q[k][2].data(),
-                  cells[k].data());
+    kernels.locate(motion, 1.0F, points, kCount, q[k][0].data(), q[k][1].data(), q[k][2].data(),
+                   cells[k].data());
     kernels.accumulate(q[k][0].data(), q[k][1].data(), q[k][2].data(), planes, motion.translation,
                        1e4F, kCount, &sums[k]);
   }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
 
@@ -60,6 +63,12 @@ struct LoopVerdict {
   double horizontal_eigenvalue = 0.0;
   double innovation = 0.0;  ///< squared, normalised by the prior's covariance, 6 degrees of freedom
 };
+
+/// A verdict on a loop, with what the loop knows of its match.
+LoopVerdict verdict_on(const Loop& loop, Verdict decision, const std::string& reason);
+/// The newest verdict on each pair of key frames (from, to).
+std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(
+    const std::vector<LoopVerdict>& verdicts);
 
 /// "position", "gnss", "appearance", "manual".
 const char* to_string(LoopSource source);

@@ -11,12 +11,18 @@
 
 namespace lidar_mapping {
 
+/// m: largest coordinate that is read from files. Chosen: farther than any point on Earth from any
+/// other, so that more is a damaged number; squares of it stay far from the end of the numbers.
+constexpr double kMaxCoordinate = 1e9;
+/// s since 1970: latest time that is read from files, in the year 2112, because ROS has no later
+/// ones than 2106 (its seconds are 32 bits without a sign).
+constexpr double kMaxTime = 4.5e9;
+
 /// A number as people and programs write it. Throws InputError for whatever else the word holds:
 /// letters behind it, nothing, nan or inf.
 double finite_number(const std::string& word);
 
-/// The same for a coordinate or a distance, which is at most 1e9 m: no place on Earth is farther
-/// away in any frame, and squares of it stay far from the end of the numbers.
+/// The same for a coordinate or a distance, which is at most kMaxCoordinate.
 double coordinate(const std::string& word);
 
 /// A whole number between two others. Throws InputError for any other word.

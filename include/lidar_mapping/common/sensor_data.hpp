@@ -57,6 +57,16 @@ struct GnssPosition {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, East-North-Up
   Eigen::Vector3d p_base_antenna = Eigen::Vector3d::Zero();  ///< lever arm, m
   std::optional<Eigen::Quaterniond> R_enu_base;              ///< where an IMU gives a true heading
+
+  /// Position of base_link in East-North-Up, m, if it has this orientation there.
+  Eigen::Vector3d p_enu_base(const Eigen::Quaterniond& R_enu_base_there) const {
+    return p_enu_antenna - R_enu_base_there * p_base_antenna;
+  }
+  /// Pose of base_link in East-North-Up; empty if the heading is not known.
+  std::optional<Pose> T_enu_base() const {
+    if (!R_enu_base) return std::nullopt;
+    return Pose{*R_enu_base, p_enu_base(*R_enu_base)};
+  }
 };
 
 }  // namespace lidar_mapping

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ struct Trajectory {
   std::vector<StampedPose> poses;  ///< increasing stamps
   bool has_stamps = true;          ///< KITTI's files have none: stamps are line numbers then
 };
+
+/// Pose at a stamp between those of two poses; empty if these are more than `largest_gap_s` apart.
+std::optional<Pose> pose_between(const StampedPose& before, const StampedPose& after, Stamp stamp,
+                                 double largest_gap_s);
+/// Pose of a trajectory with stamps, interpolated between the two poses around the stamp. Empty
+/// before its first and after its last pose, and within a longer gap.
+std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory, double largest_gap_s);
 
 /// A line "seconds x y z qx qy qz qw" per pose; 9 decimals, so stamps come back exactly.
 std::string to_tum(const Trajectory& trajectory);

@@ -68,6 +68,10 @@ class FrontEnd {
   /// the next key frame has the index `next_index`.
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base);
 
+  /// Covariance of the newest T_odom_base of process(), in the axes of base_link: that of all steps
+  /// since the first scan, as if their errors were independent.
+  Covariance6 pose_covariance() const;
+
   /// The clouds of the sliding window in odom, with one point per voxel. For display.
   PointCloud local_map() const;
 

@@ -34,7 +34,8 @@ class MapBuilder {
   PointCloud build(double resolution) const;
   /// Number of key frames that the last build() left out because their clouds were missing.
   std::size_t missing_clouds() const;
-  /// Number of key frames inserted into voxels so far, repetitions included: a measure of the work.
+  /// Number of key frames inserted into voxels so far, repetitions included: a measure of the work,
+  /// for tests.
   std::size_t insertions() const;
 
  private:

@@ -74,6 +74,11 @@ class RecordedBackEnd {
   /// Present verdict of the graph on every loop.
   std::vector<LoopVerdict> verdicts() const;
 
+  /// Index below which loop closing has decided on all candidates. Key frames with a candidate that
+  /// still waits for confirmation are searched again after a restart, because the candidate would
+  /// be lost otherwise.
+  KeyFrameIndex searched_key_frames() const;
+
   /// The session, for data that the graph does not need: verdicts of loop closing, scans, datum and
   /// configuration.
   session::Session& session() { return session_; }

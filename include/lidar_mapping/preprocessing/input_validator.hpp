@@ -14,18 +14,23 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// The properties of a cloud that are checked.
-struct CloudSummary {
-  Stamp stamp = 0;              ///< of the message
-  std::string frame_id;         ///< as in the message
-  std::size_t points = 0;       ///< their number, also of those that are not finite
-  std::string fields;           ///< names in the order of the message, between them a space
+/// Format of the message of a cloud.
+struct CloudFormat {
+  std::string fields;           ///< "x y z intensity ring time", in the message's order
+  std::string intensity_field;  ///< empty if there is none
   std::string time_field;       ///< empty if there is none
   std::string time_unit;        ///< "s", "ms", "us" or "ns"; empty if there are no times
   bool absolute_times = false;  ///< times of the clock of the stamps
-  bool foreign_clock = false;   ///< absolute by another clock
+  bool foreign_clock = false;   ///< absolute by another clock: counted from the first point
   double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
   double last_time = 0.0;       ///< s, as first_time
+};
+
+/// The properties of a cloud that are checked.
+struct CloudSummary : CloudFormat {
+  Stamp stamp = 0;              ///< of the message
+  std::string frame_id;         ///< as in the message
+  std::size_t points = 0;       ///< their number, also of those that are not finite
   std::optional<double> delay;  ///< s from the stamp to the delivery, if known
   /// Points of the first 0.6 % of the scan's time, m, in the sensor's frame.
   std::vector<Eigen::Vector3f> begin_points;

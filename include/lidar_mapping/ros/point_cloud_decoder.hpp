@@ -13,16 +13,7 @@
 namespace lidar_mapping::ros_border {
 
 /// Format of a cloud, for messages to the user.
-struct CloudFormat {
-  std::string fields;           ///< "x y z intensity ring time", in the message's order
-  std::string intensity_field;  ///< empty if there is none
-  std::string time_field;       ///< empty if there is none
-  std::string time_unit;        ///< "s", "ms", "us", "ns"
-  bool absolute_times = false;  ///< times of the clock of the stamps
-  bool foreign_clock = false;   ///< absolute by another clock: counted from the first point
-  double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
-  double last_time = 0.0;       ///< s, as first_time
-};
+using CloudFormat = preprocessing::CloudFormat;
 
 /// A cloud as input of preprocessing, and its format.
 struct DecodedCloud {

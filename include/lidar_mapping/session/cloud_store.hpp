@@ -36,7 +36,7 @@ class CloudStore : public CloudSource {
   bool contains(KeyFrameIndex index) const;
   /// True if this same cloud object is in the cache; then it need not be written again.
   bool is_cached(KeyFrameIndex index, const PointCloudPtr& cloud) const;
-  /// Memory of the points in the cache.
+  /// Memory of the points in the cache; for tests.
   std::size_t cached_bytes() const;
   /// Changes the limit of the cache and removes the oldest clouds above it.
   void set_cache_bytes(std::size_t bytes);

@@ -110,7 +110,7 @@ class Drive {
   Stamp reported_stamp(std::size_t index) const;
   /// Computes a scan. Throws ConfigError if `index` is not less than scan_count().
   SimulatedScan scan(std::size_t index) const;
-  /// The scan in base_link in the form that the stages process; its times are kept.
+  /// The scan in base_link in the form that the stages process, for tests; its times are kept.
   Scan base_scan(std::size_t index) const;
 
   /// All samples of the IMU, in the axes of its frame: at 100 Hz on a car and in `walk`, else at

@@ -35,6 +35,8 @@ struct ImuFault {
 ImuFault parse_imu_fault(const std::string& text);
 /// Names of all faults: "imu_vibration" and so on.
 std::vector<std::string> imu_fault_names();
+/// How all faults are written, with the ranges of their values.
+std::vector<std::string> imu_fault_formats();
 
 /// Applies faults to the samples of a drive that begins at `begin`. They are applied in the order
 /// of Kind, whatever their order in `faults`.

@@ -28,6 +28,9 @@ void add_quad(TriangleMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3
 /// Adds a box of `size` (m) around the origin of `T_mesh_box`.
 void add_box(TriangleMesh& mesh, const Pose& T_mesh_box, const Eigen::Vector3d& size,
              Reflectivity reflectivity);
+/// Adds a box along the axes between two corners.
+void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+               Reflectivity reflectivity);
 /// Adds a prism of `sides` faces from `foot` to `foot + axis`, open at its ends; radii in m.
 void add_tube(TriangleMesh& mesh, const Eigen::Vector3d& foot, const Eigen::Vector3d& axis,
               double foot_radius, double top_radius, int sides, Reflectivity reflectivity);

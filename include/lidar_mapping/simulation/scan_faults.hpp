@@ -35,6 +35,8 @@ struct ScanFault {
 /// "times=none" or "times=negated". Throws ConfigError for any other name, and for a value that is
 /// missing or out of range.
 ScanFault parse_scan_fault(const std::string& text);
+/// How all faults are written, with the ranges of their values.
+std::vector<std::string> scan_fault_formats();
 
 /// Applies faults to simulated scans. The result for a scan depends on the faults, the seed and its
 /// index.

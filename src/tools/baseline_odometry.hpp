@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 
 namespace lidar_mapping::tools {
@@ -15,10 +14,10 @@ namespace lidar_mapping::tools {
 /// step, repeated, would give. Matches are not checked, and poses are float matrices. The
 /// transformation epsilon is a length as in the articles: PCL 1.13 would stop after one step with
 /// their value.
-class ArticleOdometry {
+class BaselineOdometry {
  public:
-  ArticleOdometry();
-  ~ArticleOdometry();
+  BaselineOdometry();
+  ~BaselineOdometry();
 
   /// Pose and times of the steps; the other fields stay as they are by default.
   front_end::FrontEndResult process(const Scan& scan);

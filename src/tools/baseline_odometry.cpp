@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "article_odometry.hpp"
+#include "baseline_odometry.hpp"
 
 #include <deque>
 #include <utility>
@@ -52,7 +52,7 @@ Cloud::Ptr thinned(const Cloud::Ptr& cloud, float leaf) {
 
 }  // namespace
 
-class ArticleOdometry::Impl {
+class BaselineOdometry::Impl {
  public:
   Impl() {
     ndt_.setResolution(kResolution);
@@ -121,10 +121,10 @@ class ArticleOdometry::Impl {
   front_end::StepTimer timer_;
 };
 
-ArticleOdometry::ArticleOdometry() : impl_(std::make_unique<Impl>()) {}
-ArticleOdometry::~ArticleOdometry() = default;
+BaselineOdometry::BaselineOdometry() : impl_(std::make_unique<Impl>()) {}
+BaselineOdometry::~BaselineOdometry() = default;
 
-front_end::FrontEndResult ArticleOdometry::process(const Scan& scan) {
+front_end::FrontEndResult BaselineOdometry::process(const Scan& scan) {
   return impl_->process(scan);
 }
 

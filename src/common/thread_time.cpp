@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lidar_mapping/pipeline/thread_time.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
 
 #include <ctime>
 #include <utility>
 
-namespace lidar_mapping::pipeline {
+namespace lidar_mapping {
 
 namespace {
 
@@ -25,4 +25,4 @@ ThreadTime::~ThreadTime() { inner_seconds = outer_ + (now() - begin_); }
 
 double ThreadTime::seconds() const { return now() - begin_ - inner_seconds; }
 
-}  // namespace lidar_mapping::pipeline
+}  // namespace lidar_mapping

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace lidar_mapping::pipeline {
+namespace lidar_mapping {
 
 /// Measures the processor time of the calling thread during the lifetime of the object. The time of
 /// other such objects that live within this lifetime is excluded, so that stages which call each
@@ -23,4 +23,4 @@ class ThreadTime {
   double outer_;  ///< Time of inner objects that had ended when this one began, s.
 };
 
-}  // namespace lidar_mapping::pipeline
+}  // namespace lidar_mapping
