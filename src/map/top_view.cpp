@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
-#include <Eigen/Geometry>
 #include <png.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -29,8 +30,14 @@ constexpr double kGroundCell = 8.0;
 // Fraction of the points of a cell that may lie below its ground. Chosen: wet roads and glass
 // mirror no more.
 constexpr double kGroundQuantile = 0.03;
-// Points from which the ground is computed. Chosen: bounds the memory (16 MB).
-constexpr std::size_t kMaxHeightSamples = 4'000'000;
+// Points from which the extent and the ground are computed. Chosen: bounds the memory (32 MB).
+constexpr std::size_t kMaxSamples = 4'000'000;
+// Fraction of the points that may be stray ones on each side of the picture. Chosen: of a recorded
+// hall 0.01 % lie outside of its walls, through doors and by reflections.
+constexpr double kStrayFraction = 2e-4;
+// Border around all other points, as a fraction of their extent, that the picture has for the sake
+// of points farther outside. Chosen: what is drawn in vain is at most a third of the picture.
+constexpr double kBorder = 0.1;
 constexpr int kLevels = 255;          // of height, so that one fits into a byte
 constexpr int kMaxCountedPoints = 9;  // in a pixel; chosen: more do not make it brighter
 constexpr Color kBackground = {12.0, 14.0, 20.0};
@@ -51,14 +58,14 @@ struct Grid {
         height(static_cast<int>(y_size / cell_size) + 1),
         values(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value) {}
 
-  std::size_t position(const Point& point) const {
-    const auto column = static_cast<int>((static_cast<double>(point.x) - x_min) / cell);
-    const auto row = static_cast<int>((y_max - static_cast<double>(point.y)) / cell);
-    return static_cast<std::size_t>(std::clamp(row, 0, height - 1)) *
-               static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(std::clamp(column, 0, width - 1));
+  /// Nothing for a point outside of the grid.
+  std::optional<std::size_t> position(const Point& point) const {
+    const double column = std::floor((static_cast<double>(point.x) - x_min) / cell);
+    const double row = std::floor((y_max - static_cast<double>(point.y)) / cell);
+    if (column < 0.0 || column >= width || row < 0.0 || row >= height) return std::nullopt;
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column);
   }
-  Value& at(const Point& point) { return values[position(point)]; }
 
   double x_min;
   double y_max;
@@ -68,20 +75,34 @@ struct Grid {
   std::vector<Value> values;
 };
 
+/// Visits at most kMaxSamples points of the map, which has `count` in all.
+template <typename Visit>
+void for_some_points(const CloudParts& map, std::size_t count, const Visit& visit) {
+  const std::size_t step = 1 + count / kMaxSamples;
+  std::size_t number = 0;
+  map.for_each([&](const PointCloud& part) {
+    for (const Point& point : part.points) {
+      if (number++ % step == 0) visit(point);
+    }
+  });
+}
+
+struct Range {
+  double low = 0.0;
+  double high = 0.0;
+  double size() const { return high - low; }
+};
+
 struct Extent {
   std::size_t points = 0;
-  Eigen::AlignedBox2f bounds;
+  Range x, y;
 };
 
 /// Height of the ground in every cell.
 Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> ground) {
   std::vector<std::vector<float>> heights(ground.values.size());
-  const std::size_t step = 1 + extent.points / kMaxHeightSamples;
-  std::size_t number = 0;
-  map.for_each([&](const PointCloud& part) {
-    for (const Point& point : part.points) {
-      if (number++ % step == 0) heights[ground.position(point)].push_back(point.z);
-    }
+  for_some_points(map, extent.points, [&](const Point& point) {
+    if (const auto position = ground.position(point)) heights[*position].push_back(point.z);
   });
   for (std::size_t i = 0; i < heights.size(); ++i) {
     if (heights[i].empty()) continue;
@@ -90,13 +111,29 @@ Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> g
   return ground;
 }
 
+/// All coordinates, but not stray ones that are far from the others.
+Range range_of(std::vector<float> coordinates) {
+  const auto [lowest, highest] = std::minmax_element(coordinates.begin(), coordinates.end());
+  const Range all{*lowest, *highest};
+  const auto at = [&](double fraction) {
+    return static_cast<double>(quantile_of_range(coordinates.begin(), coordinates.end(), fraction));
+  };
+  const Range most{at(kStrayFraction), at(1.0 - kStrayFraction)};
+  const double border = kBorder * most.size();
+  return {std::max(all.low, most.low - border), std::min(all.high, most.high + border)};
+}
+
 Extent extent_of(const CloudParts& map) {
   Extent extent;
-  map.for_each([&](const PointCloud& part) {
-    extent.points += part.size();
-    for (const Point& point : part.points) extent.bounds.extend(point.position().head<2>());
-  });
+  map.for_each([&](const PointCloud& part) { extent.points += part.size(); });
   if (extent.points == 0) throw InputError("the map has no points; there is nothing to draw");
+  std::vector<float> x, y;
+  for_some_points(map, extent.points, [&](const Point& point) {
+    x.push_back(point.x);
+    y.push_back(point.y);
+  });
+  extent.x = range_of(std::move(x));
+  extent.y = range_of(std::move(y));
   return extent;
 }
 
@@ -151,18 +188,24 @@ std::string world_file(const TopView& view) {
 
 TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
   const Extent extent = extent_of(map);
-  const double x_min = static_cast<double>(extent.bounds.min().x());
-  const double y_max = static_cast<double>(extent.bounds.max().y());
-  const double x_size = static_cast<double>(extent.bounds.max().x()) - x_min;
-  const double y_size = y_max - static_cast<double>(extent.bounds.min().y());
-  const double pixel = std::max(pixel_m, std::max(x_size, y_size) / (max_pixels - 1));
-  Grid<float> ground =
-      ground_of(map, extent, Grid<float>(x_min, y_max, x_size, y_size, kGroundCell, kNone));
-  Grid<Pixel> pixels(x_min, y_max, x_size, y_size, pixel, {});
+  const double pixel =
+      std::max(pixel_m, std::max(extent.x.size(), extent.y.size()) / (max_pixels - 1));
+  const auto grid = [&](double cell, auto value) {
+    return Grid<decltype(value)>(extent.x.low, extent.y.high, extent.x.size(), extent.y.size(),
+                                 cell, value);
+  };
+  const Grid<float> ground = ground_of(map, extent, grid(kGroundCell, kNone));
+  Grid<Pixel> pixels = grid(pixel, Pixel{});
   map.for_each([&](const PointCloud& part) {
-    for (const Point& point : part.points) pixels.at(point).add(point.z - ground.at(point));
+    for (const Point& point : part.points) {
+      const auto at_pixel = pixels.position(point);
+      const auto at_ground = ground.position(point);
+      if (at_pixel && at_ground) {
+        pixels.values[*at_pixel].add(point.z - ground.values[*at_ground]);
+      }
+    }
   });
-  TopView view{pixels.width, pixels.height, pixel, x_min, y_max, {}};
+  TopView view{pixels.width, pixels.height, pixel, extent.x.low, extent.y.high, {}};
   view.rgb.reserve(3 * pixels.values.size());
   const std::vector<Rgb> colors = palette();
   for (const Pixel& pixel_content : pixels.values) {

@@ -22,7 +22,9 @@ struct TopView {
 
 /// Draws the map. A pixel shows its highest point: grey-blue at the ground, then green and yellow,
 /// and red from 10 m on; the brightness grows with the number of points. Pixels are `pixel_m` wide,
-/// or wider if the picture would have more than `max_pixels` on a side. Throws InputError for a map
+/// or wider if the picture would have more than `max_pixels` on a side. Points far outside of all
+/// but one of five thousand on each side are left out, because a few reflections would make
+/// everything else small. Throws InputError for a map
 /// without points.
 TopView top_view(const CloudParts& map, double pixel_m, int max_pixels = 4000);
 
