@@ -37,8 +37,9 @@ function(lidar_mapping_stage name)
   set(target lidar_mapping_${name})
   add_library(${target} ${ARG_SOURCES})
   list(TRANSFORM ARG_USES PREPEND lidar_mapping_)
-  target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_include_directories(${target}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
+    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(${target} PUBLIC ${ARG_USES} ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:lidar_mapping_warnings>)
   # Equal bits on machines with and without fused multiply-add.

@@ -47,7 +47,7 @@ STAGES = {
 ALLOWED = {stage: allowed for stage, (_, allowed) in STAGES.items()}
 ROS_STAGES = {'ros', 'recordings', 'nodes', 'tools'}
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"lidar_mapping/(\w+)/')
-PLAIN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^/"]+)"')
+PLAIN_INCLUDE = re.compile(r'^\s*#\s*include\s*"((?!lidar_mapping/)[^"]+)"')
 ROS_INCLUDE = re.compile(
     r'^\s*#\s*include\s*[<"](ros|rosbag|tf2|tf2_\w+|\w+_msgs|diagnostic_updater|XmlRpc\w*|'
     r'lidar_mapping/[A-Z]\w*\.h)\b')

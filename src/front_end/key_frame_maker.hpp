@@ -7,10 +7,10 @@
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
 
-#include "covariance_inflation.hpp"
+#include "judgement/covariance_inflation.hpp"
 #include "key_frame_rule.hpp"
-#include "scan_sampler.hpp"
-#include "tracker.hpp"
+#include "scan/scan_sampler.hpp"
+#include "tracking/tracker.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -7,9 +7,9 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "coasting.hpp"
-#include "covariance_inflation.hpp"
-#include "sweep_times.hpp"
+#include "judgement/covariance_inflation.hpp"
+#include "motion/coasting.hpp"
+#include "scan/sweep_times.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

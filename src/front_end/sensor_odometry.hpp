@@ -10,12 +10,12 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/sweep_times.hpp"
 
-#include "cloud_fingerprint.hpp"
-#include "isolated_point_filter.hpp"
 #include "key_frame_maker.hpp"
-#include "sweep_times_trial.hpp"
-#include "tracker.hpp"
-#include "vertical_ride_detector.hpp"
+#include "motion/vertical_ride_detector.hpp"
+#include "scan/cloud_fingerprint.hpp"
+#include "scan/isolated_point_filter.hpp"
+#include "tracking/sweep_times_trial.hpp"
+#include "tracking/tracker.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -7,8 +7,8 @@
 #include "lidar_mapping/front_end/front_end_config.hpp"
 
 #include "evaluated_drive.hpp"
-#include "motion_filter.hpp"
-#include "sweep_sampler.hpp"
+#include "motion/motion_filter.hpp"
+#include "scan/sweep_sampler.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -8,7 +8,7 @@
 #include "base_frame.hpp"
 #include "base_frames.hpp"
 #include "evaluated_drive.hpp"
-#include "motion_filter.hpp"
+#include "motion/motion_filter.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::front_end {

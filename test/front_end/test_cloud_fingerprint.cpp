@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud_fingerprint.hpp"
-#include "coasting.hpp"
+#include "motion/coasting.hpp"
+#include "scan/cloud_fingerprint.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

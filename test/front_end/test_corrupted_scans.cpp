@@ -7,7 +7,7 @@
 #include "lidar_mapping/registration/registration_config.hpp"
 
 #include "evaluated_drive.hpp"
-#include "match_judge.hpp"
+#include "judgement/match_judge.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

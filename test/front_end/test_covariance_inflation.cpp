@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "covariance_inflation.hpp"
 #include "evaluated_drive.hpp"
+#include "judgement/covariance_inflation.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::front_end {

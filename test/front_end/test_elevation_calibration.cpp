@@ -6,10 +6,10 @@
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 
-#include "elevation_calibration.hpp"
 #include "evaluated_drive.hpp"
-#include "motion_filter.hpp"
-#include "sweep_sampler.hpp"
+#include "local_map/elevation_calibration.hpp"
+#include "motion/motion_filter.hpp"
+#include "scan/sweep_sampler.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "false_standstill_recovery.hpp"
 #include "near.hpp"
+#include "start/false_standstill_recovery.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

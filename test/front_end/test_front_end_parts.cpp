@@ -14,12 +14,12 @@
 #include "lidar_mapping/front_end/prior_of.hpp"
 #include "lidar_mapping/front_end/status_warnings.hpp"
 
-#include "degeneracy.hpp"
+#include "judgement/match_judge.hpp"
 #include "key_frame_rule.hpp"
-#include "match_judge.hpp"
-#include "motion_filter.hpp"
+#include "matching/degeneracy.hpp"
+#include "motion/motion_filter.hpp"
 #include "near.hpp"
-#include "ring_spacing.hpp"
+#include "scan/ring_spacing.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gyro_validator.hpp"
+#include "motion/gyro_validator.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::front_end {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../../src/front_end/hash_kernel.hpp"
+#include "../../src/front_end/scan/hash_kernel.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "map_initialization.hpp"
 #include "matched_sweeps.hpp"
 #include "near.hpp"
+#include "start/map_initialization.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

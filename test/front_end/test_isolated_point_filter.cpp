@@ -7,7 +7,7 @@
 #include "lidar_mapping/common/voxel_filter.hpp"
 
 #include "evaluated_drive.hpp"
-#include "isolated_point_filter.hpp"
+#include "scan/isolated_point_filter.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "external_tracker.hpp"
 #include "key_frame_maker.hpp"
+#include "tracking/external_tracker.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -7,10 +7,10 @@
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "motion_filter.hpp"
+#include "motion/motion_filter.hpp"
+#include "motion/twist_predictor.hpp"
+#include "motion/velocity_validator.hpp"
 #include "near.hpp"
-#include "twist_predictor.hpp"
-#include "velocity_validator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -11,8 +11,8 @@
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 
+#include "judgement/step_belief.hpp"
 #include "recorded_scans.hpp"
-#include "step_belief.hpp"
 #include "test_data.hpp"
 
 namespace lidar_mapping::front_end {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ring_interpolator.hpp"
+#include "scan/ring_interpolator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scan_sampler.hpp"
-#include "sweep_order.hpp"
+#include "scan/scan_sampler.hpp"
+#include "scan/sweep_order.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

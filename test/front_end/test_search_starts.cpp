@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "search_starts.hpp"
+#include "matching/search_starts.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "key_frame_window.hpp"
-#include "sliding_window_tracker.hpp"
+#include "local_map/key_frame_window.hpp"
+#include "tracking/sliding_window_tracker.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "evaluated_drive.hpp"
-#include "match_evidence.hpp"
-#include "step_belief.hpp"
-#include "step_origin.hpp"
+#include "judgement/match_evidence.hpp"
+#include "judgement/step_belief.hpp"
+#include "judgement/step_origin.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

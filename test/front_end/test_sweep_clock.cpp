@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/simulation/random.hpp"
 
-#include "sweep_clock.hpp"
+#include "scan/sweep_clock.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "matched_sweeps.hpp"
+#include "matching/sweep_matcher.hpp"
 #include "near.hpp"
 #include "scenes.hpp"
-#include "sweep_matcher.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "motion/sweep_smoother.hpp"
 #include "near.hpp"
 #include "normalised_error.hpp"
-#include "sweep_smoother.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -8,8 +8,8 @@
 #include "lidar_mapping/common/units.hpp"
 
 #include "evaluated_drive.hpp"
-#include "sweep_times.hpp"
-#include "sweep_times_trial.hpp"
+#include "scan/sweep_times.hpp"
+#include "tracking/sweep_times_trial.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "coasting.hpp"
-#include "local_mapper.hpp"
-#include "motion_predictor.hpp"
-#include "step_judge.hpp"
-#include "step_origin.hpp"
-#include "tracker_state.hpp"
+#include "judgement/step_judge.hpp"
+#include "judgement/step_origin.hpp"
+#include "local_map/local_mapper.hpp"
+#include "motion/coasting.hpp"
+#include "motion/motion_predictor.hpp"
+#include "tracking/tracker_state.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

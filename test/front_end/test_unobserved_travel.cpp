@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/simulation/random.hpp"
 
-#include "unobserved_travel.hpp"
+#include "motion/unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

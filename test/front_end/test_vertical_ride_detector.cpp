@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vertical_ride_detector.hpp"
+#include "motion/vertical_ride_detector.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -153,8 +153,8 @@ class Resumption(unittest.TestCase):
             folder = pathlib.Path(folder)
             arguments = ['--match', 'coasting.cpp:kRest', '--folder', str(folder / 'copy'), '--noise', '2',
                          '--output', str(folder / 'a.csv'), '--table', str(folder / 'a.md'), '--basis', 'none']
-            original = (ablate.ROOT / 'src/front_end/coasting.cpp').read_text()
-            copied = folder / 'copy/src/front_end/coasting.cpp'
+            original = (ablate.ROOT / 'src/front_end/motion/coasting.cpp').read_text()
+            copied = folder / 'copy/src/front_end/motion/coasting.cpp'
             built = []
 
             def build(*_):

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "judgement/step_origin.hpp"
+
+#include <cmath>
+
+#include "judgement/reported_covariance.hpp"
+
+namespace lidar_mapping::front_end {
+
+PoseEstimate estimate_of(const TrackedScan& tracked) {
+  return {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor,
+          tracked.sweep_covariance};
+}
+
+Covariance6 step_covariance(const PoseEstimate& from, const PoseEstimate& to) {
+  const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
+  return motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
+                           to.drift_variance_factor) +
+         compose_covariance(from.sweep_covariance, T_from_to, to.sweep_covariance);
+}
+
+void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
+              StepEvidence& evidence) {
+  const Covariance6 covariance = step_covariance(from, to);
+  evidence.seconds = seconds;
+  evidence.sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+}
+
+void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidence) const {
+  set_step(estimate_, estimate, elapsed_, evidence);
+}
+
+void StepOrigin::update(const TrackedScan& tracked) {
+  if (!claims_pose(tracked.status.state) && !tracked.new_segment) return;
+  estimate_ = estimate_of(tracked);
+  elapsed_ = 0.0;
+}
+
+}  // namespace lidar_mapping::front_end

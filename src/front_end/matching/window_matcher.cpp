@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "matching/window_matcher.hpp"
+
+#include <utility>
+
+namespace lidar_mapping::front_end {
+
+using registration::RegistrationResult;
+
+WindowMatcher::WindowMatcher(const FrontEndConfig& config)
+    : registration_(registration::make_registration(config.registration)),
+      window_(static_cast<std::size_t>(config.local_frame_num),
+              config.local_map_filter_resolution) {}
+
+/// The target is relative to the newest key frame, so that single precision is sufficient far from
+/// the start.
+void WindowMatcher::insert(const Pose& T_odom_base, PointCloud cloud) {
+  window_.push(T_odom_base, std::move(cloud));
+  T_odom_map_ = T_odom_base;
+  registration_->set_target(window_.joint_cloud(T_odom_map_.inverse()));
+}
+
+WindowMatcher::Match WindowMatcher::match(const PointCloud& scan, const Pose& T_odom_base_start) {
+  return {align(scan, T_odom_base_start), false};
+}
+
+WindowMatcher::Match WindowMatcher::best_of(Match match, const PointCloud& scan,
+                                            const std::vector<Pose>& starts) {
+  for (const Pose& start : starts) {
+    const RegistrationResult result = align(scan, start);
+    if (result.inlier_fraction > match.result.inlier_fraction) match = {result, true};
+  }
+  return match;
+}
+
+RegistrationResult WindowMatcher::align(const PointCloud& scan, const Pose& T_odom_base_start) {
+  RegistrationResult result = registration_->align(scan, T_odom_map_.inverse() * T_odom_base_start);
+  result.T_target_source = T_odom_map_ * result.T_target_source;
+  return result;
+}
+
+}  // namespace lidar_mapping::front_end
