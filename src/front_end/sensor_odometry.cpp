@@ -116,7 +116,8 @@ FrontEndResult SensorOdometry::coast(Stamp stamp) {
 
 /// True if the points stay corrected by the gyro.
 bool SensorOdometry::keeps_gyro_correction(const MotionPrior& prior) const {
-  return prior.uneven_turning && times_ == SweepTimes::kAsGiven && tracker_->accepts_gyro(prior);
+  return prior.uneven_turning && times_.source == SweepTimes::kAsGiven &&
+         tracker_->accepts_gyro(prior);
 }
 
 /// The scan with the right times, and without the gyro's correction unless that is kept. Empty if
@@ -124,9 +125,9 @@ bool SensorOdometry::keeps_gyro_correction(const MotionPrior& prior) const {
 std::optional<Scan> SensorOdometry::with_right_times(const Scan& scan, const MotionPrior& prior,
                                                      bool keep_gyro_correction) const {
   const bool undo = prior.uneven_turning && !keep_gyro_correction;
-  if (!undo && times_ == SweepTimes::kAsGiven) return std::nullopt;
+  if (!undo && times_.source == SweepTimes::kAsGiven) return std::nullopt;
   PointCloud cloud = undo ? put_back(*prior.uneven_turning, scan.cloud) : scan.cloud;
-  cloud.times = sweep_times(cloud, times_, sweep_duration_);
+  cloud.times = sweep_times(cloud, times_);
   return Scan{scan.stamp, std::move(cloud)};
 }
 
@@ -151,7 +152,6 @@ bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
   finalized = finalize();
   tracker_ = std::move(successor->tracker);
   times_ = successor->times;
-  sweep_duration_ = successor->duration;
   tracked = std::move(successor->tracked);
   tracked.status.sweep_times = times_;
   return true;

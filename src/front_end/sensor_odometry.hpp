@@ -68,8 +68,7 @@ class SensorOdometry {
   IsolatedPointFilter isolated_point_filter_;
   std::unique_ptr<Tracker> tracker_;
   std::optional<SweepTimesTrial> times_trial_;  ///< empty if finished, or if there is none
-  SweepTimes times_ = SweepTimes::kAsGiven;
-  double sweep_duration_ = 0.0;  ///< of a sweep whose points have no times, s
+  SweepTimesRule times_;
   VerticalRideDetector ride_detector_;
   KeyFrameMaker key_frames_;
   std::vector<ProvisionalScan> provisional_;

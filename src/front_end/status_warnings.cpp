@@ -11,7 +11,7 @@ std::vector<StatusWarning> warnings_of(const FrontEndStatus& status) {
   if (status.stamp_jitter > 0.0) {
     warnings.push_back({"jitter", jitter_message(status.stamp_jitter)});
   }
-  if (status.sweep_times != SweepTimes::kAsGiven) {
+  if (status.sweep_times.source != SweepTimes::kAsGiven) {
     warnings.push_back({"sweep times", sweep_times_message(status.sweep_times)});
   }
   if (status.gyro_distrusted) warnings.push_back({"gyro", gyro_message()});

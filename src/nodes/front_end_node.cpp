@@ -316,9 +316,9 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
     context_.diagnostics.set("points without room in the local map",
                              std::to_string(result.status.map_points_dropped));
   }
-  if (result.status.sweep_times != front_end::SweepTimes::kAsGiven) {
+  if (result.status.sweep_times.source != front_end::SweepTimes::kAsGiven) {
     context_.diagnostics.set("times of the points",
-                             front_end::to_string(result.status.sweep_times));
+                             front_end::to_string(result.status.sweep_times.source));
   }
   if (result.status.unseen_way > 0.0) {
     context_.diagnostics.set("vertical distance not observed by the points, m",

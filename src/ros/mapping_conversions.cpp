@@ -190,7 +190,7 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.repeated = status.repeated;
   message.elevation_shift = status.elevation_shift;
   message.stamp_jitter = status.stamp_jitter;
-  message.sweep_times = to_string(status.sweep_times);
+  message.sweep_times = to_string(status.sweep_times.source);
   message.gyro_distrusted = status.gyro_distrusted;
   message.unseen_way = status.unseen_way;
   message.unobserved_stddev = status.unobserved_stddev;

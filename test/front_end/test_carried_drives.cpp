@@ -104,7 +104,7 @@ Outcome follow(const simulation::Drive& drive) {
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
     outcome.unseen_way = result.status.unseen_way;
-    outcome.times = result.status.sweep_times;
+    outcome.times = result.status.sweep_times.source;
     const Pose T_map_base = drive.trajectory().pose(synced.scan.stamp);
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
                        (T_odom_last.inverse() * result.T_odom_base);

@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times of the points that are missing or wrong are found out and corrected.
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/units.hpp"
 
 #include "evaluated_drive.hpp"
+#include "recorded_scans.hpp"
 #include "scan/sweep_times.hpp"
+#include "test_data.hpp"
 #include "tracking/sweep_times_trial.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
 
 constexpr double kDuration = 0.1;  // s
+
+SweepTimesRule rule(SweepTimes source) { return {source, kDuration, std::nullopt}; }
 
 /// A point at this part of a counterclockwise round that begins at 30 degrees.
 Point point_at(double rounds, double elevation = 0.0) {
@@ -55,22 +61,47 @@ TEST(TimesByAzimuth, AreOnTheOrderOfPointsWithoutCoordinates) {
   EXPECT_NEAR(times_by_azimuth(cloud, kDuration)[2], 0.5 * kDuration, 1e-6);
 }
 
+TEST(TimesByAzimuth, FollowAKnownRotationWhateverTheOrderOfThePoints) {
+  PointCloud cloud;
+  for (const double degrees : {0.0, 90.0, 179.0, -179.0, -90.0}) {
+    const double azimuth = degrees * kRadPerDeg;
+    cloud.points.push_back({static_cast<float>(5.0 * std::cos(azimuth)),
+                            static_cast<float>(5.0 * std::sin(azimuth)), 0.0F, 0.0F});
+  }
+  cloud.points.push_back({std::nanf(""), 0.0F, 0.0F, 0.0F});
+  const auto expect = [&](const SensorRotation& rotation, const std::vector<double>& rounds) {
+    const std::vector<float> times = times_by_azimuth(cloud, kDuration, rotation);
+    for (std::size_t i = 0; i < rounds.size(); ++i)
+      EXPECT_NEAR(times[i], kDuration * rounds[i], 1e-6) << i;
+  };
+  expect({true, kPi}, {0.5, 0.25, 1.0 / 360.0, 359.0 / 360.0, 0.75, 0.0});
+  expect({false, kPi}, {0.5, 0.75, 359.0 / 360.0, 1.0 / 360.0, 0.25, 0.0});
+  expect({true, 0.0}, {0.0, 0.75, 181.0 / 360.0, 179.0 / 360.0, 0.25, 0.0});
+}
+
 TEST(SweepTimes, AreTakenFromTheirSource) {
   PointCloud cloud;
   for (int i = 0; i < 4; ++i) cloud.points.push_back(point_at(i / 4.0));
-  EXPECT_TRUE(sweep_times(cloud, SweepTimes::kAsGiven, kDuration).empty());
-  EXPECT_NEAR(sweep_times(cloud, SweepTimes::kByPosition, kDuration)[3], 0.075, 1e-6);
-  EXPECT_NEAR(sweep_times(cloud, SweepTimes::kByAzimuth, kDuration)[3], 0.075, 1e-6);
+  EXPECT_TRUE(sweep_times(cloud, rule(SweepTimes::kAsGiven)).empty());
+  EXPECT_NEAR(sweep_times(cloud, rule(SweepTimes::kByPosition))[3], 0.075, 1e-6);
+  EXPECT_NEAR(sweep_times(cloud, rule(SweepTimes::kByAzimuth))[3], 0.075, 1e-6);
   cloud.times = {0.0F, 0.1F, 0.2F, 0.3F};
-  EXPECT_EQ(sweep_times(cloud, SweepTimes::kAsGiven, kDuration), cloud.times);
-  EXPECT_EQ(sweep_times(cloud, SweepTimes::kNegated, kDuration)[2], -0.2F);
+  EXPECT_EQ(sweep_times(cloud, rule(SweepTimes::kAsGiven)), cloud.times);
+  EXPECT_EQ(sweep_times(cloud, rule(SweepTimes::kNegated))[2], -0.2F);
 }
 
 TEST(SweepTimes, HaveAMessageUnlessTheyAreAsGiven) {
-  EXPECT_EQ(sweep_times_message(SweepTimes::kAsGiven), "");
-  EXPECT_NE(sweep_times_message(SweepTimes::kNegated).find("negates them"), std::string::npos);
-  EXPECT_NE(sweep_times_message(SweepTimes::kByAzimuth).find("azimuth"), std::string::npos);
-  EXPECT_NE(sweep_times_message(SweepTimes::kByPosition).find("order of the points"),
+  EXPECT_EQ(sweep_times_message(rule(SweepTimes::kAsGiven)), "");
+  EXPECT_NE(sweep_times_message(rule(SweepTimes::kNegated)).find("negates them"),
+            std::string::npos);
+  EXPECT_NE(sweep_times_message(rule(SweepTimes::kByAzimuth)).find("azimuth"), std::string::npos);
+  const std::string known =
+      sweep_times_message({SweepTimes::kByAzimuth, 0.104, SensorRotation{true, kPi}});
+  EXPECT_NE(
+      known.find("scan_direction: CLOCKWISE, scan_start_azimuth_deg: 180, scan_period: 0.104"),
+      std::string::npos)
+      << known;
+  EXPECT_NE(sweep_times_message(rule(SweepTimes::kByPosition)).find("order of the points"),
             std::string::npos);
 }
 
@@ -127,8 +158,8 @@ TEST_P(PointTimes, AreFoundOut) {
     }
     T_map_last = T_map_base;
     T_odom_last = result.T_odom_base;
-    was_found = result.status.sweep_times == GetParam().expected;
-    EXPECT_TRUE(was_found || result.status.sweep_times == SweepTimes::kAsGiven) << i;
+    was_found = result.status.sweep_times.source == GetParam().expected;
+    EXPECT_TRUE(was_found || result.status.sweep_times.source == SweepTimes::kAsGiven) << i;
   }
   EXPECT_TRUE(was_found);
 }
@@ -143,6 +174,45 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"handheld", "mid360", "times=negated", false, 10, SweepTimes::kNegated},
                     Case{"handheld", "mid360", "times=none", false, 10, SweepTimes::kByPosition}));
 
+// Filters leave the points in another order than that in which they were measured. The simulated
+// sensor turns clockwise and begins behind.
+TEST(PointTimesOfScansInAnyOrder, AreFoundOutWithTheRotationOfTheSensor) {
+  const simulation::Drive drive =
+      drive_of({"town", "vlp16", "times=none", false, 90, SweepTimes::kByAzimuth});
+  EvaluatedDrive ride(drive);
+  SweepTimesRule found;
+  for (std::size_t i = 90; i < drive.scan_count(); ++i) {
+    Scan scan = lidar_scan(drive, i);
+    std::stable_sort(scan.cloud.points.begin(), scan.cloud.points.end(),
+                     [](const Point& a, const Point& b) { return a.x < b.x; });
+    found = ride.process(scan).status.sweep_times;
+  }
+  ASSERT_EQ(found.source, SweepTimes::kByAzimuth);
+  ASSERT_TRUE(found.rotation);
+  EXPECT_TRUE(found.rotation->clockwise);
+  EXPECT_NEAR(found.rotation->start_azimuth, kPi, 1e-9);
+  EXPECT_NEAR(found.duration, 0.1, 1e-3);
+}
+
+// KITTI's files are stored ring by ring, each from ahead on and against the rotation of the sensor.
+// Two of three scans are missing.
+TEST(PointTimesOfARecording, AreFoundOut) {
+  REQUIRE_RECORDED(folder, "kitti00_scans");
+  std::ifstream times(folder / "times.txt");
+  FrontEnd front_end{FrontEndConfig{}};
+  SweepTimesRule found;
+  double seconds = 0.0;
+  for (std::size_t i = 0; i < 80 && times >> seconds; ++i) {
+    const Scan scan = {from_seconds(1.0 + seconds), test::recorded_scan(folder, i)};
+    found = front_end.process(scan).status.sweep_times;
+  }
+  ASSERT_EQ(found.source, SweepTimes::kByAzimuth);
+  ASSERT_TRUE(found.rotation);
+  EXPECT_TRUE(found.rotation->clockwise);
+  EXPECT_NEAR(found.rotation->start_azimuth, kPi, 1e-9);
+  EXPECT_NEAR(found.duration, 0.1, 1e-3);
+}
+
 TEST(PointTimesCheck, CanBeSwitchedOff) {
   const simulation::Drive drive =
       drive_of({"town", "vlp16", "times=negated", false, 90, SweepTimes::kNegated});
@@ -150,7 +220,8 @@ TEST(PointTimesCheck, CanBeSwitchedOff) {
   config.check_point_times = false;
   FrontEnd front_end(config);
   for (std::size_t i = 90; i < drive.scan_count(); ++i) {
-    EXPECT_EQ(front_end.process(lidar_scan(drive, i)).status.sweep_times, SweepTimes::kAsGiven);
+    EXPECT_EQ(front_end.process(lidar_scan(drive, i)).status.sweep_times.source,
+              SweepTimes::kAsGiven);
   }
 }
 

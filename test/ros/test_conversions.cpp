@@ -403,7 +403,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   result.status.elevation_shift = 0.004;
   result.status.unobserved_stddev = 1.25;
   result.status.stamp_jitter = 0.015;
-  result.status.sweep_times = front_end::SweepTimes::kNegated;
+  result.status.sweep_times.source = front_end::SweepTimes::kNegated;
   result.status.gyro_distrusted = true;
   result.status.unseen_way = -2.5;
   result.status.seconds = 0.05;

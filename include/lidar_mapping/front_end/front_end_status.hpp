@@ -55,7 +55,7 @@ struct FrontEndStatus {
   double stamp_jitter = 0.0;
   /// Where the times of the points come from; other than as given if these were found wrong
   /// (SweepTimesTrial).
-  SweepTimes sweep_times = SweepTimes::kAsGiven;
+  SweepTimesRule sweep_times;
   /// The gyro predicts the matches worse than a prediction without it does, so it is not used
   /// (GyroValidator).
   bool gyro_distrusted = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace lidar_mapping::front_end {
@@ -13,11 +14,25 @@ enum class SweepTimes {
   kByPosition  ///< the points have no times: they follow from the order of the points
 };
 
+/// How a spinning sensor turns, about its z axis.
+struct SensorRotation {
+  bool clockwise = true;       ///< as seen from above
+  double start_azimuth = 0.0;  ///< at which a sweep begins, rad from x towards y, -pi to pi
+};
+
+/// The times of the points of a sweep.
+struct SweepTimesRule {
+  SweepTimes source = SweepTimes::kAsGiven;
+  double duration = 0.0;  ///< s, of a sweep whose points have no times
+  /// With kByAzimuth; empty if it follows from the order of the points.
+  std::optional<SensorRotation> rotation;
+};
+
 /// "as_given", "negated", "by_azimuth", "by_position".
 const char* to_string(SweepTimes times);
 
 /// The message that the times of points are not used as they are given, and what to do about it.
 /// Empty for kAsGiven.
-std::string sweep_times_message(SweepTimes times);
+std::string sweep_times_message(const SweepTimesRule& rule);
 
 }  // namespace lidar_mapping::front_end

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::front_end {
@@ -56,6 +57,15 @@ double fraction_of(const Point& point, double position, const Rotation& rotation
   return rounds - whole;
 }
 
+/// The parameters of preprocessing that have the same effect.
+std::string azimuth_parameters(const SweepTimesRule& rule) {
+  if (!rule.rotation) return "point_times: AZIMUTH";
+  return formatted(
+      "point_times: AZIMUTH, scan_direction: %s, scan_start_azimuth_deg: %.0f, scan_period: %.3f",
+      rule.rotation->clockwise ? "CLOCKWISE" : "COUNTERCLOCKWISE",
+      rule.rotation->start_azimuth * kDegPerRad, rule.duration);
+}
+
 }  // namespace
 
 std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration) {
@@ -68,6 +78,19 @@ std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration) {
   return times;
 }
 
+std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration,
+                                    const SensorRotation& rotation) {
+  const double start = rotation.start_azimuth / (2.0 * kPi);
+  const double direction = rotation.clockwise ? -1.0 : 1.0;
+  std::vector<float> times(cloud.size(), 0.0F);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_usable(cloud.points[i])) continue;
+    const double rounds = direction * (azimuth(cloud.points[i]) - start);
+    times[i] = static_cast<float>(duration * (rounds - std::floor(rounds)));
+  }
+  return times;
+}
+
 std::vector<float> times_by_position(const PointCloud& cloud, double duration) {
   std::vector<float> times(cloud.size());
   const double step = duration / static_cast<double>(std::max<std::size_t>(1, cloud.size()));
@@ -76,8 +99,8 @@ std::vector<float> times_by_position(const PointCloud& cloud, double duration) {
   return times;
 }
 
-std::vector<float> sweep_times(const PointCloud& cloud, SweepTimes source, double duration) {
-  switch (source) {
+std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& rule) {
+  switch (rule.source) {
     case SweepTimes::kAsGiven:
       break;
     case SweepTimes::kNegated: {
@@ -86,9 +109,10 @@ std::vector<float> sweep_times(const PointCloud& cloud, SweepTimes source, doubl
       return negated;
     }
     case SweepTimes::kByAzimuth:
-      return times_by_azimuth(cloud, duration);
+      return rule.rotation ? times_by_azimuth(cloud, rule.duration, *rule.rotation)
+                           : times_by_azimuth(cloud, rule.duration);
     case SweepTimes::kByPosition:
-      return times_by_position(cloud, duration);
+      return times_by_position(cloud, rule.duration);
   }
   return cloud.times;
 }
@@ -107,8 +131,8 @@ const char* to_string(SweepTimes times) {
   return "";
 }
 
-std::string sweep_times_message(SweepTimes times) {
-  switch (times) {
+std::string sweep_times_message(const SweepTimesRule& rule) {
+  switch (rule.source) {
     case SweepTimes::kAsGiven:
       return "";
     case SweepTimes::kNegated:
@@ -116,8 +140,8 @@ std::string sweep_times_message(SweepTimes times) {
              "because IMU and velocity still remove motion by the times as they are";
     case SweepTimes::kByAzimuth:
       return "points: they have no times and the motion within the sweep was not removed, so the "
-             "odometry takes the times from the azimuth; record the times of the points, or set "
-             "point_times: AZIMUTH";
+             "odometry takes the times from the azimuth; record the times of the points, or set " +
+             azimuth_parameters(rule);
     case SweepTimes::kByPosition:
       return "points: they have no times and the motion within the sweep was not removed, so the "
              "odometry takes the times from the order of the points; record the times of the "

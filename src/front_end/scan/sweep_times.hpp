@@ -14,11 +14,15 @@ namespace lidar_mapping::front_end {
 /// ring, in the direction of rotation.
 std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration);
 
+/// The same for points in any order, of a sensor that turns as `rotation` tells. Points without
+/// coordinates have the time 0.
+std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration,
+                                    const SensorRotation& rotation);
+
 /// The same for points that are stored in the order in which they were measured.
 std::vector<float> times_by_position(const PointCloud& cloud, double duration);
 
-/// The times that the points have according to `source`; empty if they have none. `duration` (s) is
-/// that of a sweep whose points have no times.
-std::vector<float> sweep_times(const PointCloud& cloud, SweepTimes source, double duration);
+/// The times that the points have according to the rule; empty if they have none.
+std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& rule);
 
 }  // namespace lidar_mapping::front_end

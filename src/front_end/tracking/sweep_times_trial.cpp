@@ -2,13 +2,16 @@
 #include "tracking/sweep_times_trial.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 #include "motion/motion_filter.hpp"
+#include "scan/sweep_order.hpp"
 #include "scan/sweep_times.hpp"
 #include "tracking/moved_tracker.hpp"
 
@@ -42,12 +45,47 @@ constexpr double kLeastVariance = 0.01;
 /// Hz). Then a sweep lasts as long as by the default of most sensors (10 Hz).
 constexpr double kMaxDuration = 0.25;
 constexpr double kUsualDuration = 0.1;
+/// Time between scans from which some scans may be missing, s. Chosen between the usual rates (10
+/// and 5 Hz).
+constexpr double kDoubtfulDuration = 0.15;
+
+/// How long a sweep may last (s), given the time between scans.
+std::vector<double> durations_for(double interval) {
+  if (interval > kMaxDuration) return {kUsualDuration};
+  if (interval > kDoubtfulDuration) return {interval, kUsualDuration};
+  return {interval};
+}
+
+/// Sweeps begin ahead or behind. Facts of the sensors: Velodyne's driver begins at the azimuth 0,
+/// KITTI's files at 180 degrees, both clockwise; Ouster's begins behind, Hesai's ahead.
+constexpr std::array<SensorRotation, 4> kRotations = {
+    {{true, 0.0}, {true, kPi}, {false, 0.0}, {false, kPi}}};
+
+/// Rules for points without times, which may be stored firing by firing or in any other order.
+std::vector<SweepTimesRule> rules_without_times(const PointCloud& cloud, double duration) {
+  std::vector<SweepTimesRule> rules = {{SweepTimes::kByAzimuth, duration, std::nullopt}};
+  if (!in_sweep_order(cloud)) {
+    for (const SensorRotation& rotation : kRotations)
+      rules.push_back({SweepTimes::kByAzimuth, duration, rotation});
+  }
+  rules.push_back({SweepTimes::kByPosition, duration, std::nullopt});
+  return rules;
+}
 
 /// Without the gyro the given times may be better, too: then the gyro is wrong and not the times.
-std::vector<SweepTimes> candidates_for(const PointCloud& cloud, bool without_gyro) {
-  if (cloud.has_times() && without_gyro) return {SweepTimes::kAsGiven, SweepTimes::kNegated};
-  if (cloud.has_times()) return {SweepTimes::kNegated};
-  return {SweepTimes::kByAzimuth, SweepTimes::kByPosition};
+std::vector<SweepTimesRule> candidates_for(const PointCloud& cloud, bool without_gyro,
+                                           double interval) {
+  if (cloud.has_times()) {
+    std::vector<SweepTimesRule> rules = {{SweepTimes::kNegated, 0.0, std::nullopt}};
+    if (without_gyro) rules.insert(rules.begin(), SweepTimesRule{});
+    return rules;
+  }
+  std::vector<SweepTimesRule> rules;
+  for (const double duration : durations_for(interval)) {
+    const std::vector<SweepTimesRule> more = rules_without_times(cloud, duration);
+    rules.insert(rules.end(), more.begin(), more.end());
+  }
+  return rules;
 }
 
 /// Logarithm of the ratio of the residuals' variances. Empty if neither has a match.
@@ -91,8 +129,8 @@ void SweepTimesTrial::restart() {
 }
 
 void SweepTimesTrial::start(const Scan& scan, bool without_gyro) {
-  for (const SweepTimes times : candidates_for(scan.cloud, without_gyro)) {
-    candidates_.push_back({times, make_tracker(config_), {}, {}});
+  for (const SweepTimesRule& rule : candidates_for(scan.cloud, without_gyro, interval_)) {
+    candidates_.push_back({rule, make_tracker(config_), {}, {}});
     if (viewpoint_at_origin_) candidates_.back().tracker->set_viewpoint_at_origin();
   }
 }
@@ -104,11 +142,11 @@ bool SweepTimesTrial::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
   if (!previous) return false;
   if (candidates_.empty()) {
     intervals_.push_back(seconds);
-    duration_ = median(intervals_);
-    if (duration_ > kMaxDuration) duration_ = kUsualDuration;
+    interval_ = median(intervals_);
   }
   const Vector6d twist = twist_between(*previous, T_odom_base, seconds);
-  return duration_ * (twist.head<3>().norm() + kTypicalRange * twist.tail<3>().norm()) >=
+  return durations_for(interval_).back() *
+             (twist.head<3>().norm() + kTypicalRange * twist.tail<3>().norm()) >=
          kMinMotion;
 }
 
@@ -125,7 +163,7 @@ std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
   ++scans_;
   for (Candidate& candidate : candidates_) {
     const Scan retimed = {scan.stamp,
-                          {scan.cloud.points, sweep_times(scan.cloud, candidate.times, duration_)}};
+                          {scan.cloud.points, sweep_times(scan.cloud, candidate.times)}};
     candidate.tracked = candidate.tracker->track(retimed, prior);
     if (!moves || scans_ <= kSettlingScans) continue;
     if (const auto gain = gain_of(candidate.tracked.status, tracked.status))
@@ -134,38 +172,51 @@ std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
   return decide(tracked);
 }
 
-/// A candidate is preferred to those after it unless one of these is better by the least gain.
+/// The candidate whose scans fit best. One from another source than an earlier one has to be better
+/// by the least gain.
 std::vector<SweepTimesTrial::Candidate>::iterator SweepTimesTrial::best_candidate() {
   auto best = candidates_.begin();
   for (auto candidate = best; candidate != candidates_.end(); ++candidate) {
-    if (candidate->gain.mean() > best->gain.mean() + kMinGain) best = candidate;
+    const double margin = candidate->times.source == best->times.source ? 0.0 : kMinGain;
+    if (candidate->gain.mean() > best->gain.mean() + margin) best = candidate;
   }
   return best;
 }
 
-/// The best candidate succeeds as soon as its gain is certain. The given times stay as soon as all
-/// losses are.
+/// The best candidate succeeds as soon as its gain is certain. Candidates whose loss is certain are
+/// left out; the given times stay when no other ones remain.
 std::optional<SweepTimesTrial::Successor> SweepTimesTrial::decide(const TrackedScan& tracked) {
-  const auto best = best_candidate();
-  std::optional<Successor> successor;
-  const bool is_better = certainty(best->gain) > 0.0;
-  if (is_better && best->times != SweepTimes::kAsGiven && claims_pose(best->tracked.status.state)) {
-    best->tracker->finalize();
-    const Pose T_odom_start = tracked.T_odom_base * best->tracked.T_odom_base.inverse();
-    auto moved = std::make_unique<MovedTracker>(std::move(best->tracker), T_odom_start);
-    TrackedScan result = moved->moved(best->tracked);
-    result.provisional = false;
-    result.revisions.clear();
-    successor = Successor{best->times, duration_, std::move(moved), std::move(result)};
-  }
   const auto has_lost = [](const Candidate& candidate) {
-    return candidate.times == SweepTimes::kAsGiven || certainty(candidate.gain) < 0.0;
+    return !is_given(candidate) && certainty(candidate.gain) < 0.0;
   };
-  is_finished_ = successor || scans_ >= kMaxScans ||
-                 (is_better && best->times == SweepTimes::kAsGiven) ||
-                 std::all_of(candidates_.begin(), candidates_.end(), has_lost);
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), has_lost),
+                    candidates_.end());
+  std::optional<Successor> successor;
+  is_finished_ =
+      scans_ >= kMaxScans || std::all_of(candidates_.begin(), candidates_.end(), is_given);
+  const auto best = best_candidate();
+  if (best != candidates_.end() && certainty(best->gain) > 0.0) {
+    if (is_given(*best)) {
+      is_finished_ = true;
+    } else if (claims_pose(best->tracked.status.state)) {
+      successor = succeed(*best, tracked);
+      is_finished_ = true;
+    }
+  }
   if (is_finished_) candidates_.clear();
   return successor;
+}
+
+/// The candidate's tracker goes on from the pose of the scan that was tracked last.
+SweepTimesTrial::Successor SweepTimesTrial::succeed(Candidate& candidate,
+                                                    const TrackedScan& tracked) {
+  candidate.tracker->finalize();
+  const Pose T_odom_start = tracked.T_odom_base * candidate.tracked.T_odom_base.inverse();
+  auto moved = std::make_unique<MovedTracker>(std::move(candidate.tracker), T_odom_start);
+  TrackedScan result = moved->moved(candidate.tracked);
+  result.provisional = false;
+  result.revisions.clear();
+  return {candidate.times, std::move(moved), std::move(result)};
 }
 
 }  // namespace lidar_mapping::front_end

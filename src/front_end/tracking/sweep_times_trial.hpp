@@ -34,8 +34,7 @@ class SweepTimesTrial {
  public:
   /// A tracker that takes over, because its times are right.
   struct Successor {
-    SweepTimes times;
-    double duration;  ///< of a sweep whose points have no times, s
+    SweepTimesRule times;
     std::unique_ptr<Tracker> tracker;
     TrackedScan tracked;  ///< the scan that was added last, at the same pose as before
   };
@@ -56,7 +55,7 @@ class SweepTimesTrial {
  private:
   /// Times that may be right instead of the given ones.
   struct Candidate {
-    SweepTimes times;
+    SweepTimesRule times;
     std::unique_ptr<Tracker> tracker;
     TrackedScan tracked;
     RunningMean gain;  ///< logarithm of how much better its scans fit
@@ -66,13 +65,17 @@ class SweepTimesTrial {
   bool distorts_sweep(Stamp stamp, const Pose& T_odom_base);
   std::vector<Candidate>::iterator best_candidate();
   std::optional<Successor> decide(const TrackedScan& tracked);
+  Successor succeed(Candidate& candidate, const TrackedScan& tracked);
+  static bool is_given(const Candidate& candidate) {
+    return candidate.times.source == SweepTimes::kAsGiven;
+  }
 
   FrontEndConfig config_;
   bool viewpoint_at_origin_ = false;
   bool is_finished_ = false;
   int scans_ = 0;                  ///< that were tracked with the candidates
   std::vector<double> intervals_;  ///< between the scans before the start, s
-  double duration_ = 0.0;          ///< of a sweep, s
+  double interval_ = 0.0;          ///< their median, s
   std::optional<Pose> last_pose_;
   Stamp last_stamp_ = 0;
   std::vector<Candidate> candidates_;
