@@ -8,12 +8,12 @@
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
-#include "gnss_track.hpp"
-#include "input_diagnostics.hpp"
-#include "motion_sensors.hpp"
+#include "checks/input_diagnostics.hpp"
+#include "gnss/gnss_track.hpp"
+#include "motion/motion_sensors.hpp"
+#include "points/thinning.hpp"
 #include "scan_queue.hpp"
 #include "stamp_guard.hpp"
-#include "thinning.hpp"
 
 namespace lidar_mapping::preprocessing {
 

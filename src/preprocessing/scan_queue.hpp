@@ -8,7 +8,7 @@
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
-#include "sensor_stream.hpp"
+#include "motion/sensor_stream.hpp"
 
 namespace lidar_mapping::preprocessing {
 

@@ -8,9 +8,9 @@
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 
-#include "samples.hpp"
-#include "scanner.hpp"
-#include "scenario.hpp"
+#include "scenarios/scenario.hpp"
+#include "sensors/samples.hpp"
+#include "sensors/scanner.hpp"
 
 namespace lidar_mapping::simulation {
 

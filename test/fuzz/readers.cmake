@@ -16,7 +16,7 @@ set(reader_sources
   ${readers_root}/src/pipeline/hdl_dump_reading.cpp
   ${readers_root}/src/pipeline/kitti_folder.cpp
   ${readers_root}/src/pipeline/kitti_raw.cpp
-  ${readers_root}/src/preprocessing/nmea.cpp
+  ${readers_root}/src/preprocessing/gnss/nmea.cpp
   ${readers_root}/src/ros/bag_chunk.cpp
   ${readers_root}/src/ros/bag_file.cpp
   ${readers_root}/src/ros/bag_set.cpp

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "accelerometer_check.hpp"
+#include "checks/accelerometer_check.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {

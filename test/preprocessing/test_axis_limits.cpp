@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "axis_limits.hpp"
+#include "checks/axis_limits.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {

@@ -8,7 +8,7 @@
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-#include "gnss_gate.hpp"
+#include "gnss/gnss_gate.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

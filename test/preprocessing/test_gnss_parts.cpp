@@ -7,7 +7,7 @@
 #include "lidar_mapping/common/antenna_fit.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
-#include "fix_scatter.hpp"
+#include "gnss/fix_scatter.hpp"
 #include "near.hpp"
 #include "samples.hpp"
 

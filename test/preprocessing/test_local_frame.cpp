@@ -5,7 +5,7 @@
 #include <GeographicLib/Geocentric.hpp>
 #include <gtest/gtest.h>
 
-#include "local_frame.hpp"
+#include "gnss/local_frame.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

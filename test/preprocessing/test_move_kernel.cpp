@@ -12,8 +12,8 @@
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
-#include "../../src/preprocessing/move_kernel.hpp"
-#include "../../src/preprocessing/times_kernel.hpp"
+#include "../../src/preprocessing/points/move_kernel.hpp"
+#include "../../src/preprocessing/points/times_kernel.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::preprocessing {

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "interpolation.hpp"
-#include "local_frame.hpp"
+#include "gnss/local_frame.hpp"
+#include "motion/interpolation.hpp"
+#include "motion/sample_buffer.hpp"
 #include "near.hpp"
-#include "sample_buffer.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

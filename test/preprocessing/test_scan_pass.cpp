@@ -9,9 +9,9 @@
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
+#include "points/thinning.hpp"
 #include "samples.hpp"
 #include "test_data.hpp"
-#include "thinning.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/preprocessing/input_validator.hpp"
+
+#include "checks/sensor_record.hpp"
+#include "motion/time_offset.hpp"
+#include "points/sweep_seam.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+using ImuRecord = SensorRecord<ImuSample>;
+using VelocityRecord = SensorRecord<VelocitySample>;
+
+struct PointsRecord {
+  TopicStatistics topic;
+  CloudSummary cloud;  ///< the last cloud with points
+  SweepSeam seam;
+  std::vector<double> delays;  ///< s from the stamps to the deliveries
+};
+
+struct GnssRecord {
+  TopicStatistics topic;
+  SensorRecord<GnssFix> usable;
+  std::map<std::string, std::size_t> rejected;  ///< number of fixes for each reason
+  bool covariance_known = true;
+};
+
+// Each check returns a line about the data of its sensor, and their problems. Time offsets and
+// units are found by comparison with the velocity, if there is one.
+
+InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                  const PreprocessingConfig& config);
+InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+
+/// Ratio of the measured speeds to the speeds of the fixes; empty if the vehicle moved too little.
+std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
+                                  const PreprocessingConfig& config);
+
+/// Adds a fault if the offset is large and significant; `parameter` is the parameter that corrects
+/// it.
+void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
+                  InputReport& report);
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "checks/input_diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/common/text.hpp"
+
+#include "checks/sensor_record.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr Stamp kOtherClock = from_seconds(10.0);  // no sensor has such a delay
+
+}  // namespace
+
+void InputDiagnostics::motion(MotionSource source, bool has_times) {
+  if (!has_times) {
+    return inform("motion none",
+                  "points: no point times; the front end finds out whether the motion within the "
+                  "sweep was removed");
+  }
+  if (source == MotionSource::kNone) {
+    return inform("motion later",
+                  "points: neither IMU nor velocity over the scan; the points keep their times and "
+                  "the front end compensates");
+  }
+  const std::string name = to_string(source);
+  inform("motion " + name, "points: motion during the scan compensated by " + name);
+}
+
+void InputDiagnostics::time_went_back(const std::string& input, Stamp jump) {
+  reset("reset");
+  warn("reset", input + formatted(": time went back by %.1f s", to_seconds(jump)) +
+                    "; all buffers are empty now (a recording that starts again?)");
+}
+
+void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {
+  warn("stray " + input,
+       input +
+           formatted(": a stamp %.1f s %s all before was dropped (if the next ones agree with it, "
+                     "they are taken)",
+                     std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
+}
+
+void InputDiagnostics::rejected_fix(const std::string& problem) {
+  const std::string kind = problem.substr(0, problem.find_first_of("0123456789(:"));
+  warn("gnss " + kind, "gnss: fix refused: " + problem);
+}
+
+void InputDiagnostics::rejected_scan(Stamp stamp) {
+  warn("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
+                           : "points: a scan came with the stamp of an earlier one or after a "
+                             "later one; it was dropped");
+}
+
+void InputDiagnostics::too_few_points() {
+  warn("empty",
+       "points: a scan had fewer than min_points points after the filters; check "
+       "distance_near_thresh, distance_far_thresh and vehicle_box");
+}
+
+void InputDiagnostics::rejected_heading() {
+  warn("heading",
+       "imu: its heading does not agree with the course over ground; it is not used (set "
+       "imu_orientation to ENU if it is true nevertheless)");
+}
+
+void InputDiagnostics::implausible_gyro() {
+  warn("gyro",
+       "imu: its rates are beyond 12 rad/s or far beyond the velocity's, as if they were in "
+       "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
+}
+
+void InputDiagnostics::clipped_gyro(double limit) {
+  warn("gyro limit",
+       formatted(
+           "imu: its rates end at %.1f rad/s, where the sensor turns faster; scans meanwhile are "
+           "taken as without gyro (set a larger range in its driver)",
+           limit));
+}
+
+void InputDiagnostics::rejected_acceleration(const std::string& sentence) {
+  warn("acceleration", "imu: " + sentence);
+}
+
+void InputDiagnostics::rejected_velocity(VelocityProblem problem, const std::string& sentence) {
+  warn("velocity " + std::to_string(static_cast<int>(problem)), "velocity: " + sentence);
+}
+
+void InputDiagnostics::missing_transform(const std::string& input, const std::string& frame_id) {
+  const std::string what = frame_id.empty()
+                               ? "the messages name no frame; set header.frame_id"
+                               : "no transform from '" + frame_id +
+                                     "' to the vehicle's frame; publish it on /tf_static (or set "
+                                     "base_frame to it)";
+  warn("tf " + input + frame_id, input + ": " + what);
+}
+
+void InputDiagnostics::other_clock(const std::string& input, Stamp ahead, Stamp behind) {
+  const Stamp most = std::max(ahead, behind);
+  if (most <= kOtherClock) return;
+  warn("clock " + input, input +
+                             formatted(": its stamps are %.1f s %s those of the scans",
+                                       to_seconds(most), ahead > 0 ? "ahead of" : "behind") +
+                             "; is it another clock? (" + input + "_time_offset)");
+}
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <vector>
+
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/text.hpp"
+
+#include "checks/input_checks.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kMaxMissingPeriods = 3.5;  // without a scan; chosen: single losses do no harm
+constexpr double kMinDelay = 0.001;         // s; chosen: so soon no cloud has been delivered
+/// Time from the stamp of a scan to its delivery, as a fraction of the scan's span. Chosen between:
+/// a scan that was stamped at its start, in its middle or at its end is delivered after 1, 0.5 or 0
+/// at the earliest.
+constexpr double kMaxDelayOfMiddle = 0.8;
+constexpr double kMaxDelayOfEnd = 0.4;
+
+/// True if the span is about one turn.
+bool is_one_turn(double span, double period) {
+  return span >= 0.5 * period && span <= 1.5 * period;
+}
+
+/// The span is one turn if it agrees with the parameter or with the time from scan to scan.
+void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
+  if (is_one_turn(span, config.scan_period)) return;
+  const std::string problem =
+      formatted("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
+  if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {
+    add_fault(report, problem, "correct scan_period or point_time_unit");
+  } else if (config.scan_stamp != ScanStamp::kStart) {
+    add_fault(report, problem, "set scan_period, from which scan_stamp counts");
+  }
+}
+
+void check_times(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
+                 InputReport& report) {
+  if (cloud.time_field.empty()) {
+    report.found += ", no point times";
+    if (config.point_times == PointTimes::kField) {
+      add_warning(report, "the points have no times",
+                  "right if the scans are motion-compensated; for raw ones set point_times to "
+                  "AZIMUTH");
+    }
+    return;
+  }
+  report.found +=
+      formatted(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
+                cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
+                cloud.first_time, cloud.last_time);
+  check_span(cloud.last_time - cloud.first_time, rate, config, report);
+  if (cloud.foreign_clock) {
+    add_warning(report, "the points' times are of another clock than the stamps",
+                "they are counted from the first point; synchronise the sensor (PTP, PPS)");
+  }
+}
+
+/// A cloud cannot be delivered before its last point was measured. If the delivery is too early for
+/// a stamp at the start, the stamp was set later. Recordings whose stamps are the times of delivery
+/// cannot be checked.
+void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
+                  InputReport& report) {
+  const CloudSummary& cloud = points.cloud;
+  const double span = cloud.last_time - cloud.first_time;
+  const bool from_start = !cloud.time_field.empty() && !cloud.absolute_times &&
+                          cloud.first_time > -0.1 * span && config.scan_stamp == ScanStamp::kStart;
+  if (!from_start || points.delays.empty()) return;
+  const double delay = median(points.delays);
+  if (delay < kMinDelay || delay > kMaxDelayOfMiddle * span) return;
+  add_warning(
+      report,
+      formatted("clouds came %.0f ms after their stamps, with points of up to %.0f ms after them",
+                1e3 * delay, 1e3 * cloud.last_time),
+      formatted("set scan_stamp to %s; or the sensor's clock is ahead, synchronise it",
+                delay < kMaxDelayOfEnd * span ? "END" : "MIDDLE"));
+}
+
+}  // namespace
+
+InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                  const PreprocessingConfig& config) {
+  InputReport report = check_headers("points", points.topic, lookup);
+  if (points.topic.count == 0) {
+    add_fault(report, "nothing came on the topic of the points", "remap `points`");
+    return report;
+  }
+  report.found +=
+      formatted(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
+  check_times(points.cloud, points.topic.rate(), config, report);
+  check_stamps(points, config, report);
+  if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
+    add_fault(report, "the motion during the scans was taken out before, but the points have times",
+              "they would be deskewed twice: set point_times to NONE");
+  }
+  const double gap = to_seconds(points.topic.longest_gap);
+  if (gap > kMaxMissingPeriods / std::max(points.topic.rate(), 1e-3)) {
+    add_warning(report, formatted("%.1f s without a scan", gap),
+                "scans were lost when recording: record with a larger buffer (rosbag record -b)");
+  }
+  return report;
+}
+
+}  // namespace lidar_mapping::preprocessing

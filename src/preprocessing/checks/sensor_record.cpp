@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "checks/sensor_record.hpp"
+
+#include "lidar_mapping/common/text.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+std::string without_leading_slash(const std::string& frame_id) {
+  return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
+}
+
+void TopicStatistics::add(Stamp stamp, const std::string& frame) {
+  frame_id = frame;
+  if (count++ == 0) {
+    first = newest = stamp;
+    return;
+  }
+  if (stamp <= newest) {
+    ++backward;
+    return;
+  }
+  if (stamp - newest > longest_gap) {
+    longest_gap = stamp - newest;
+    gap_begin = newest;
+  }
+  newest = stamp;
+}
+
+double TopicStatistics::rate() const {
+  const double seconds = to_seconds(newest - first);
+  return seconds > 0.0 ? static_cast<double>(count - 1) / seconds : 0.0;
+}
+
+void add_fault(InputReport& report, const std::string& text, const std::string& remedy) {
+  report.diagnostics.push_back({Severity::kFault, text, remedy});
+}
+
+void add_warning(InputReport& report, const std::string& text, const std::string& remedy) {
+  report.diagnostics.push_back({Severity::kWarning, text, remedy});
+}
+
+InputReport check_headers(const std::string& input, const TopicStatistics& topic,
+                          const ExtrinsicLookup& lookup) {
+  InputReport report{input, "nothing came", {}};
+  if (topic.count == 0) return report;
+  report.found = formatted("%.1f Hz, frame %s", topic.rate(),
+                           topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
+  const std::string frame = topic.frame();
+  const std::string without = input == "points"
+                                  ? "map_bag takes the frame of the scans for that of the vehicle; "
+                                  : "without it the sensor is not used; ";
+  if (frame.empty()) {
+    add_warning(report, "the messages name no frame",
+                without + "the driver must set header.frame_id");
+  } else if (!lookup(frame)) {
+    add_warning(
+        report, "no transform from '" + frame + "' to the vehicle's frame",
+        without + "publish it on /tf_static (static_transform_publisher), or set base_frame");
+  }
+  if (frame != topic.frame_id) {
+    add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
+                "it is left out here; correct the driver");
+  }
+  if (topic.newest == 0) {
+    add_fault(report, "the stamps are 0",
+              "the driver must stamp its messages; map_bag takes the times of their recording");
+  } else if (topic.backward > 0) {
+    add_fault(report, formatted("%zu of %zu stamps do not increase", topic.backward, topic.count),
+              "two publishers on one topic, or a recording that starts again; keep one of them");
+  }
+  return report;
+}
+
+}  // namespace lidar_mapping::preprocessing

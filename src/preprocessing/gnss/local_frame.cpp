@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "gnss/local_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <GeographicLib/LocalCartesian.hpp>
+
+#include "lidar_mapping/common/text.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+// Largest usual acceleration and jerk of a vehicle in traffic. Chosen: the comfort limits of road
+// and rail design are about as large.
+constexpr double kAcceleration = 2.0;  // m/s^2
+constexpr double kJerk = 2.0;          // m/s^3
+/// Smallest distance in time between the first two of three fixes, as a fraction of that between
+/// the last two. Chosen: otherwise their noise would be amplified.
+constexpr double kMinStepRatio = 0.5;
+constexpr double kMaxHeight = 12000.0;  // m; chosen above the altitude of airliners
+constexpr double kMinHeight = -2000.0;  // m; chosen below all land
+
+bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
+  return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&
+         covariance.diagonal().head<2>().maxCoeff() > 0.0;
+}
+
+double horizontal_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+}
+
+Eigen::Matrix3d diagonal(double sigma_xy, double sigma_z) {
+  return Eigen::Vector3d(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z).asDiagonal();
+}
+
+GnssFix at_height(GnssFix fix, double altitude_m) {
+  if (!std::isfinite(fix.altitude_m)) fix.altitude_m = altitude_m;
+  return fix;
+}
+
+/// The reported covariance, made symmetric and not smaller than the lower bound; a configured one
+/// if it is unknown.
+Eigen::Matrix3d bounded_covariance(const GnssFix& fix, const PreprocessingConfig& config) {
+  if (!fix.covariance || !is_usable_covariance(*fix.covariance)) {
+    return diagonal(config.gnss_unknown_sigma_xy, config.gnss_unknown_sigma_z);
+  }
+  Eigen::Matrix3d covariance = 0.5 * (*fix.covariance + fix.covariance->transpose());
+  const Eigen::Matrix3d floor = diagonal(config.gnss_sigma_floor_xy, config.gnss_sigma_floor_z);
+  for (int i = 0; i < 3; ++i) covariance(i, i) = std::max(covariance(i, i), floor(i, i));
+  const bool positive = Eigen::LLT<Eigen::Matrix3d>(covariance).info() == Eigen::Success;
+  return positive ? covariance : Eigen::Matrix3d(covariance.diagonal().asDiagonal());
+}
+
+LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
+  const double f = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
+  // The errors of neighbouring fixes are strongly correlated, so the mean is not more accurate than
+  // its parts.
+  LocalFix fix{stamp, a.p_enu + f * (b.p_enu - a.p_enu),
+               (1.0 - f) * a.covariance + f * b.covariance, std::min(a.status, b.status)};
+  for (const LocalFix& end : {a, b}) {
+    if (!has_height(end.covariance)) fix.covariance(2, 2) = end.covariance(2, 2);
+  }
+  return fix;
+}
+
+}  // namespace
+
+std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
+  if (fix.status < 0) return "the receiver has no fix";
+  if (fix.status < config.gnss_min_status) return "status below gnss_min_status";
+  // An altitude of NaN means that it is unknown, as in geographic_msgs/GeoPoint.
+  if (!std::isfinite(fix.latitude_deg) || !std::isfinite(fix.longitude_deg) ||
+      std::isinf(fix.altitude_m)) {
+    return "coordinates are not finite";
+  }
+  if (fix.latitude_deg == 0.0 && fix.longitude_deg == 0.0) {
+    return "coordinates (0, 0): the receiver has not begun";
+  }
+  if (std::abs(fix.latitude_deg) > 90.0 || std::abs(fix.longitude_deg) > 360.0) {
+    return "latitude or longitude out of range";
+  }
+  if (fix.altitude_m < kMinHeight || fix.altitude_m > kMaxHeight) {
+    return formatted("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kMaxHeight);
+  }
+  if (fix.covariance && is_usable_covariance(*fix.covariance) &&
+      horizontal_sigma(*fix.covariance) > config.gnss_max_sigma) {
+    return formatted("standard deviation of %.1f m exceeds gnss_max_sigma (%.1f m)",
+                     horizontal_sigma(*fix.covariance), config.gnss_max_sigma);
+  }
+  return "";
+}
+
+Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to) {
+  Eigen::Vector3d step = to.p_enu - from.p_enu;
+  if (!has_height(from.covariance) || !has_height(to.covariance)) step.z() = 0.0;
+  return step;
+}
+
+class LocalFrame::Projection {
+ public:
+  explicit Projection(const GeodeticDatum& datum)
+      : datum_(datum), cartesian_(datum.latitude_deg, datum.longitude_deg, datum.altitude_m) {}
+
+  Eigen::Vector3d forward(const GnssFix& fix) const {
+    Eigen::Vector3d p;
+    cartesian_.Forward(fix.latitude_deg, fix.longitude_deg, fix.altitude_m, p.x(), p.y(), p.z());
+    return p;
+  }
+  const GeodeticDatum& datum() const { return datum_; }
+
+ private:
+  GeodeticDatum datum_;
+  GeographicLib::LocalCartesian cartesian_;
+};
+
+LocalFrame::LocalFrame(const PreprocessingConfig& config) : config_(config) {
+  if (!config.use_datum) return;
+  projection_ = std::make_unique<Projection>(
+      GeodeticDatum{config.datum[0], config.datum[1], config.datum[2]});
+}
+
+LocalFrame::~LocalFrame() = default;
+
+void LocalFrame::begin_at(const GnssFix& fix) {
+  if (config_.use_datum) return;
+  projection_ = std::make_unique<Projection>(
+      GeodeticDatum{fix.latitude_deg, fix.longitude_deg, at_height(fix, 0.0).altitude_m});
+}
+
+LocalFix LocalFrame::to_local(const GnssFix& fix) {
+  if (!projection_) begin_at(fix);
+  Eigen::Matrix3d covariance = bounded_covariance(fix, config_);
+  if (!std::isfinite(fix.altitude_m)) {
+    covariance.row(2).setZero();
+    covariance.col(2).setZero();
+    covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
+  }
+  const GnssFix with_height = at_height(fix, projection_->datum().altitude_m);
+  return {fix.stamp, projection_->forward(with_height), covariance, fix.status};
+}
+
+std::optional<GeodeticDatum> LocalFrame::datum() const {
+  if (!projection_) return std::nullopt;
+  return projection_->datum();
+}
+
+LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp) {
+  if (a.stamp == b.stamp) return a;
+  const double before = to_seconds(stamp - a.stamp);
+  const double after = to_seconds(b.stamp - stamp);
+  LocalFix result = on_chord(a, b, stamp);
+  const double deviation = 0.5 * kAcceleration * before * after;
+  result.covariance.diagonal().array() += deviation * deviation;
+  return result;
+}
+
+LocalFix interpolated(const LocalFix& earlier, const LocalFix& a, const LocalFix& b, Stamp stamp) {
+  const double step = to_seconds(a.stamp - earlier.stamp);
+  const double next_step = to_seconds(b.stamp - a.stamp);
+  if (step < kMinStepRatio * next_step || next_step <= 0.0) return interpolated(a, b, stamp);
+  const Eigen::Vector3d half_acceleration =
+      ((b.p_enu - a.p_enu) / next_step - (a.p_enu - earlier.p_enu) / step) / (step + next_step);
+  const double before = to_seconds(stamp - a.stamp);
+  const double after = to_seconds(b.stamp - stamp);
+  LocalFix result = on_chord(a, b, stamp);
+  result.p_enu -= before * after * half_acceleration;
+  const double deviation = kJerk / 6.0 * before * after * (step + before);
+  result.covariance.diagonal().array() += deviation * deviation;
+  return result;
+}
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "motion/sample_buffer.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+enum class Insertion { kInserted, kRefused, kTimeWentBack };
+
+/// The samples of one sensor, and its state as far as it follows from the stamps.
+template <typename Sample>
+class SensorStream {
+ public:
+  SensorStream(std::string name, bool enabled, double max_gap)
+      : name_(std::move(name)),
+        enabled_(enabled),
+        max_gap_(from_seconds(max_gap)),
+        buffer_(from_seconds(kHorizon), kCapacity) {}
+
+  /// Rejects duplicates and samples that are older than all samples in the buffer. If the stamps
+  /// have jumped back so far that the recording must have started again, nothing is inserted, and
+  /// the result is kTimeWentBack.
+  Insertion insert(Sample sample, const std::string& frame_id) {
+    if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - from_seconds(kJumpBack)) {
+      return Insertion::kTimeWentBack;
+    }
+    if (frame_id != frame_id_) buffer_.clear();  // samples of another sensor
+    frame_id_ = frame_id;
+    return buffer_.insert(std::move(sample)) ? Insertion::kInserted : Insertion::kRefused;
+  }
+
+  /// True if a sample at or after `until` may still arrive: the sensor is active, or has not had
+  /// enough time for a first sample.
+  bool may_still_deliver(Stamp until, Stamp now, Stamp latency) const {
+    if (!enabled_ || given_up_) return false;
+    if (buffer_.empty()) return now < until + latency;
+    if (buffer_.newest().stamp >= until || now >= until + latency) return false;
+    return buffer_.newest().stamp > now - from_seconds(kSilence) - latency;
+  }
+
+  /// Stops waiting for a sensor that has never delivered a sample, until it does.
+  void give_up_if_silent() { given_up_ = buffer_.empty(); }
+
+  auto around(Stamp stamp) const { return buffer_.around(stamp, max_gap_); }
+  const Sample* before(Stamp stamp) const { return buffer_.before(stamp, max_gap_); }
+  const SampleBuffer<Sample>& buffer() const { return buffer_; }
+  const std::string& frame_id() const { return frame_id_; }
+  const std::string& name() const { return name_; }
+  bool enabled() const { return enabled_; }
+  void clear() {
+    buffer_.clear();
+    given_up_ = false;
+  }
+
+ private:
+  // s of samples. Chosen: longer than any scan waits (30 scans, 3 s at 10 Hz).
+  static constexpr double kHorizon = 20.0;
+  static constexpr std::size_t kCapacity = 20000;  // samples of kHorizon at 1 kHz
+  static constexpr double kJumpBack = 2.0;         // s; chosen: longer than any network delay
+  // s without a sample, after which the sensor is not active any more. Chosen: most send at 10 Hz
+  // or more, and scans must not wait for one that has ended.
+  static constexpr double kSilence = 1.0;
+
+  std::string name_;
+  bool enabled_;
+  bool given_up_ = false;
+  Stamp max_gap_;
+  std::string frame_id_;
+  SampleBuffer<Sample> buffer_;
+};
+
+}  // namespace lidar_mapping::preprocessing

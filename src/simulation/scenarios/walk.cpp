@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/units.hpp"
+
+#include "motion/path.hpp"
+#include "motion/smoothing.hpp"
+#include "motion/vehicle_motion.hpp"
+#include "scenarios/scenario.hpp"
+#include "sensors/mounting.hpp"
+#include "worlds/office.hpp"
+#include "worlds/vehicles.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+enum Stream : std::uint64_t { kMesh = 0x500, kMotion, kPeople };
+
+constexpr double kCarried = 1.2;  ///< Height of base_link, m; chosen: in the hands of a person.
+
+/// Corners of the walk: along the corridor, into rooms and out again, round the ring, and over the
+/// first corridor again.
+std::vector<Eigen::Vector2d> corners() {
+  const double inside =
+      kOfficeCorridor + 0.5 * kOfficeRoomDepth;  // from the middle of the corridor into a room
+  const double deep = inside + 1.6;
+  const double l = kOfficeLength, w = kOfficeWidth;
+  // Into the second room of the lower side and round in it, then the same above and at the right.
+  return {{1.0, 0.0},
+          {9.0, 0.0},
+          {9.0, -inside},
+          {10.8, -inside},
+          {10.8, -deep},
+          {7.2, -deep},
+          {7.2, -inside},
+          {9.0, -inside + 0.4},
+          {9.0, 0.0},
+          {l, 0.0},
+          {l, 9.0},
+          {l + inside, 9.0},
+          {l + inside, 10.8},
+          {l + deep, 10.8},
+          {l + deep, 7.2},
+          {l + inside, 7.2},
+          {l + inside - 0.4, 9.0},
+          {l, 9.0},
+          {l, w},
+          {21.0, w},
+          {21.0, w + inside},
+          {19.2, w + inside},
+          {19.2, w + deep},
+          {22.8, w + deep},
+          {22.8, w + inside},
+          {21.0, w + inside - 0.4},
+          {21.0, w},
+          {0.0, w},
+          {0.0, 0.0},
+          {l, -0.2},
+          {l, w - 0.2},
+          {0.2, w},
+          {0.2, 3.0}};
+}
+
+/// Adds steps and movements of the hand to a smooth walk.
+SmoothTrajectory walked(const Path& path, const std::vector<double>& stations, Random random) {
+  std::array<double, 8> phase{};
+  for (double& p : phase) p = random.uniform(0.0, 2.0 * kPi);
+  std::vector<Vector6d> control(stations.size());
+  constexpr double kStride = 0.68;  // m per step; chosen as of a person who walks slowly
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    const double s = stations[i], t = static_cast<double>(i) * kControlStep;
+    const double step = 2.0 * kPi * s / kStride;
+    control[i] << path.position(s), kCarried + 0.02 * std::sin(step) + 0.01 * std::sin(1.1 * t),
+        path.heading(s) + 0.04 * std::sin(0.5 * step + phase[0]) +
+            0.05 * std::sin(0.9 * t + phase[1]),
+        0.04 * std::sin(step + phase[2]) + 0.06 * std::sin(0.7 * t + phase[3]),
+        0.03 * std::sin(0.5 * step + phase[4]) + 0.05 * std::sin(0.8 * t + phase[5]);
+  }
+  return SmoothTrajectory(kDriveBegin, kControlStep, smoothed(std::move(control), 4, 3));
+}
+
+/// Adds a person who walks four metres ahead.
+void add_guide(World& world, const std::vector<double>& stations, const Path& path, Random random) {
+  Mover ahead;
+  ahead.shape = world.shapes.size();
+  for (std::size_t i = 0; i < stations.size(); i += 5) {
+    const double s = std::min(stations[i] + 4.0, path.length());
+    const Eigen::Vector2d at = path.position(s);
+    ahead.T_map_shape.push_back({rotation_about_z(path.heading(s)), {at.x(), at.y(), 0.0}});
+  }
+  world.shapes.push_back(make_pedestrian(Random(random.bits())));
+  world.movers.push_back(std::move(ahead));
+}
+
+}  // namespace
+
+Scenario make_walk(const DriveOptions& options) {
+  const Path path = Path::rounded(corners(), 0.5, 0.2);
+  // The yaw rate in corners is at most 1.5 rad/s: speed * curvature = lateral / speed.
+  const std::vector<double> stations =
+      stations_over_time(path, 0.5, path.length() - 5.0, {1.3, 1.1, 0.9},
+                         {{0.3 * path.length(), 2.0}, {0.7 * path.length(), 2.0}});
+  Scenario scenario{{},
+                    walked(path, stations, Random(options.seed, kMotion)),
+                    hand_held_mounting(),
+                    {{0.0, static_cast<double>(stations.size()) * kControlStep}}};
+  Random random(options.seed, kMesh);
+  add_office(scenario.world.fixed, random);
+  if (options.movers) add_guide(scenario.world, stations, path, Random(options.seed, kPeople));
+  return scenario;
+}
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/simulation/scan_faults.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/random.hpp"
+
+#include "sensors/fault_text.hpp"
+#include "sensors/ray_returns.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+using Kind = ScanFault::Kind;
+
+/// Independent streams of random numbers.
+enum Stream : std::uint64_t {
+  kOutlierStream = 1,
+  kRainStream,
+  kWallStream,
+  kJitterStream,
+  kSubsetStream
+};
+
+// Drops and spray are measured at distances where the laser is bright. Chosen; they are faint (8 of
+// 255).
+constexpr double kMinDropRange = 1.0;  // m
+constexpr double kMaxDropRange = 8.0;  // m
+constexpr float kDropIntensity = 8.0F;
+
+// A truck with a trailer on the lane to the left, in the frame of the LiDAR, m: 18 m long and 4 m
+// high, chosen as about what European law allows, and bright (intensity of 255).
+constexpr double kTruckSide = 2.5;
+constexpr double kTruckHalfLength = 9.0;
+constexpr double kTruckBottom = -1.5;
+constexpr double kTruckTop = 2.5;
+constexpr float kTruckIntensity = 90.0F;
+
+constexpr double kMaxJitter = 0.45;  // of a turn; chosen below a half: stamps stay in their order
+constexpr double kDefaultFrozenPeriod = 10.0;  // s; chosen: several of them per drive
+
+struct Description {
+  const char* name;
+  Kind kind;
+  const char* format;
+  double min;
+  double max;
+};
+constexpr Description kDescriptions[] = {
+    {"outliers", Kind::kOutliers,
+     "outliers=FRACTION with a fraction of the points from 0.001 to 0.9", 0.001, 0.9},
+    {"rain", Kind::kRain, "rain=FRACTION with a fraction of the rays from 0.001 to 0.9", 0.001,
+     0.9},
+    {"wall", Kind::kWall, "wall without a number", 0.0, 0.0},
+    {"jitter", Kind::kJitter, "jitter=SECONDS from 0.0001 to 1", 0.0001, 1.0},
+    {"frozen", Kind::kFrozen, "frozen=TIMES or frozen=TIMES,EVERY_SECONDS, both 1 or more", 1.0,
+     1e6},
+    {"sparse", Kind::kSparse, "sparse=POINTS, 1 or more", 1.0, 1e9},
+    {"times", Kind::kTimes, "times=none or times=negated", 0.0, 1.0}};
+
+void set_return(RayReturn& ray, const Eigen::Vector3d& direction, double range, float intensity) {
+  const Eigen::Vector3f p = (range * direction).cast<float>();
+  ray = {true, {p.x(), p.y(), p.z(), intensity}, 1};
+}
+
+void add_wall(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& directions,
+              double range_noise, Random random) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Eigen::Vector3d& d = directions[i];
+    if (d.y() <= 0.0) continue;
+    const double range = kTruckSide / d.y();
+    const bool hits = std::abs(range * d.x()) < kTruckHalfLength && range * d.z() > kTruckBottom &&
+                      range * d.z() < kTruckTop;
+    if (!hits || (rays[i].is_valid && rays[i].point.position().norm() < range)) continue;
+    set_return(rays[i], d, range + range_noise * random.normal(), kTruckIntensity);
+  }
+}
+
+void add_outliers(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& directions,
+                  double fraction, const LidarModel& lidar, Random random) {
+  const auto valid_returns = static_cast<double>(
+      std::count_if(rays.begin(), rays.end(), [](const RayReturn& ray) { return ray.is_valid; }));
+  // The probability for each ray such that the artificial points are this fraction of all points,
+  // because some of them replace returns.
+  const double chance =
+      fraction * valid_returns /
+      (static_cast<double>(rays.size()) * (1.0 - fraction) + fraction * valid_returns);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!random.chance(chance)) continue;
+    set_return(rays[i], directions[i], random.uniform(lidar.min_range, lidar.max_range),
+               static_cast<float>(random.integer(0, 255)));
+  }
+}
+
+void add_rain(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& directions,
+              double fraction, Random random) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!random.chance(fraction)) continue;
+    const double range = random.uniform(kMinDropRange, kMaxDropRange);
+    if (rays[i].is_valid && rays[i].point.position().norm() < range) continue;
+    set_return(rays[i], directions[i], range, kDropIntensity);
+  }
+}
+
+bool read(const Description& known, const std::optional<std::string>& value, ScanFault& fault) {
+  if (known.kind == Kind::kWall) return !value;
+  if (!value) return false;
+  if (known.kind == Kind::kTimes) {
+    fault.amount = *value == "negated" ? 1.0 : 0.0;
+    return *value == "none" || *value == "negated";
+  }
+  const bool is_one_number = matches_format(*value, "%lf%n", &fault.amount);
+  const bool are_two_numbers = known.kind == Kind::kFrozen &&
+                               matches_format(*value, "%lf,%lf%n", &fault.amount, &fault.every_s) &&
+                               fault.every_s >= 1.0;
+  // Written so that NaN fails.
+  return (is_one_number || are_two_numbers) && fault.amount >= known.min &&
+         fault.amount <= known.max;
+}
+
+/// Keeps a random subset of `max` points, in their order.
+void keep_random_subset(SimulatedScan& scan, std::size_t max, Random random) {
+  std::size_t remaining = max;
+  std::size_t kept = 0;
+  const std::size_t size = scan.cloud.size();
+  if (size <= max) return;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double chance = static_cast<double>(remaining) / static_cast<double>(size - i);
+    if (!random.chance(chance)) continue;
+    scan.cloud.points[kept] = scan.cloud.points[i];
+    scan.moving[kept] = scan.moving[i];
+    scan.rays[kept] = scan.rays[i];
+    if (scan.cloud.has_times()) scan.cloud.times[kept] = scan.cloud.times[i];
+    ++kept;
+    --remaining;
+  }
+  scan.cloud.points.resize(kept);
+  scan.moving.resize(kept);
+  scan.rays.resize(kept);
+  if (scan.cloud.has_times()) scan.cloud.times.resize(kept);
+}
+
+}  // namespace
+
+ScanFault parse_scan_fault(const std::string& text) {
+  const auto default_fault = [](const Description& known) {
+    return ScanFault{known.kind, 0.0, kDefaultFrozenPeriod};
+  };
+  return parse_fault(text, kDescriptions, default_fault, read);
+}
+
+std::vector<std::string> scan_fault_formats() { return fault_formats(kDescriptions); }
+
+ScanFaults::ScanFaults(std::vector<ScanFault> faults, std::uint64_t seed)
+    : faults_(std::move(faults)), seed_(seed) {}
+
+std::size_t ScanFaults::source(std::size_t index, Stamp period) const {
+  for (const ScanFault& fault : faults_) {
+    if (fault.kind != Kind::kFrozen) continue;
+    const auto every = std::max<std::size_t>(
+        1, static_cast<std::size_t>(std::llround(fault.every_s / to_seconds(period))));
+    const std::size_t repetition = index % every;
+    // The drive does not begin with a repeated scan.
+    if (index >= every && repetition <= static_cast<std::size_t>(fault.amount))
+      return index - repetition;
+  }
+  return index;
+}
+
+Stamp ScanFaults::stamp_error(std::size_t index, Stamp period) const {
+  double seconds = 0.0;
+  for (const ScanFault& fault : faults_) {
+    if (fault.kind != Kind::kJitter) continue;
+    seconds += fault.amount * Random(seed_ ^ mix64(index), kJitterStream).normal();
+  }
+  const double max = kMaxJitter * to_seconds(period);
+  return from_seconds(std::clamp(seconds, -max, max));
+}
+
+void ScanFaults::corrupt(SimulatedScan& scan, std::size_t index, const LidarModel& lidar,
+                         double range_noise) const {
+  const auto amount_of = [this](Kind kind) {
+    double amount = -1.0;
+    for (const ScanFault& fault : faults_) {
+      if (fault.kind == kind) amount = fault.amount;
+    }
+    return amount;
+  };
+  const auto stream = [&](Stream which) { return Random(seed_ ^ mix64(index), which); };
+  const double outliers = amount_of(Kind::kOutliers);
+  const double rain = amount_of(Kind::kRain);
+  const bool has_wall = amount_of(Kind::kWall) >= 0.0;
+  if (outliers > 0.0 || rain > 0.0 || has_wall) {
+    const std::vector<Eigen::Vector3d> directions = ray_directions(lidar, index);
+    std::vector<RayReturn> rays = returns_of(scan, lidar);
+    if (has_wall) add_wall(rays, directions, range_noise, stream(kWallStream));
+    if (outliers > 0.0) add_outliers(rays, directions, outliers, lidar, stream(kOutlierStream));
+    if (rain > 0.0) add_rain(rays, directions, rain, stream(kRainStream));
+    scan = scan_of(rays, scan, lidar);
+  }
+  const double max = amount_of(Kind::kSparse);
+  if (max > 0.0) keep_random_subset(scan, static_cast<std::size_t>(max), stream(kSubsetStream));
+  const double times = amount_of(Kind::kTimes);
+  if (times == 0.0) scan.cloud.times.clear();
+  if (times == 1.0) {
+    for (float& time : scan.cloud.times) time = -time;
+  }
+}
+
+}  // namespace lidar_mapping::simulation

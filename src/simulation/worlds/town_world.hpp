@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/simulation/random.hpp"
+#include "lidar_mapping/simulation/world.hpp"
+
+#include "worlds/terrain.hpp"
+#include "worlds/town_layout.hpp"
+
+namespace lidar_mapping::simulation {
+
+/// Height of a pavement above the carriageway, m. Chosen as of usual kerbs.
+constexpr double kKerbHeight = 0.12;
+/// Distance of the middle of a lane from the middle of the street, m: lanes of 3.5 m, as by design
+/// standards.
+constexpr double kLaneOffset = 1.75;
+
+/// The fixed world of a town: streets, blocks with houses and gardens, street furniture and parked
+/// cars.
+TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random);
+
+}  // namespace lidar_mapping::simulation
