@@ -168,6 +168,22 @@ TEST(LocalMapper, UsesLargerVoxelsInRoomsForFewerPoints) {
   EXPECT_EQ(scale(4000), 1.0);
 }
 
+// Until scans fill small voxels there are large ones; then the map is built anew from these scans.
+TEST(LocalMapper, RefinesAMapInARoomOnceItIsFilled) {
+  Insertions room(3.0, 20000);
+  const auto scale = [&] { return room.state().map.fine().resolution() / room.voxel_size(); };
+  const auto insert_scan = [&](int i) { return room.insert_at(2.1 * (i % 2)); };
+  for (int i = 0; i < 19; ++i) ASSERT_TRUE(insert_scan(i));
+  EXPECT_EQ(scale(), 1.0);
+  EXPECT_TRUE(insert_scan(19));
+  EXPECT_EQ(scale(), 0.5);
+  const std::size_t voxels = room.state().map.fine().size();
+  EXPECT_GT(voxels, 100U);
+  for (int i = 20; i < 60; ++i) EXPECT_TRUE(insert_scan(i));
+  EXPECT_EQ(scale(), 0.5);
+  EXPECT_LT(room.state().map.fine().size(), voxels + voxels / 10) << "all were in it before";
+}
+
 TEST(LocalMapper, TakesScansOfFewPointsAsThoseOfAStreet) {
   EXPECT_TRUE(Insertions(3.0, 4000).mapper().is_indoors());
   EXPECT_FALSE(Insertions(3.0, 1000).mapper().is_indoors());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "key_frame_rule.hpp"
 
@@ -28,10 +29,14 @@ constexpr int kInitialScans = 3;
 constexpr double kIndoorRange = 12.0;
 /// Smallest factor for all voxel sizes indoors. Chosen: the surfaces of a room are small.
 constexpr double kIndoorVoxelScale = 0.5;
-/// With fewer points per scan the voxels are larger, so that as many points are in each, but at
-/// most as large as outdoors. Measured on 103 drives in rooms (doc/results/front_end.md): with it
-/// the errors of 16 beams are half as large, and those of 64 beams the same.
+/// A young map has larger voxels if a scan has fewer points, so that as many points are in each,
+/// but at most as large as outdoors. Measured on 103 drives in rooms (doc/results/front_end.md):
+/// with it the errors of 16 beams are half as large, and those of 64 beams the same.
 constexpr double kPointsForSmallVoxels = 90000.0;
+/// A map in a room is young until so many scans were inserted. Measured with 16 beams
+/// (doc/results/front_end.md): the same with 10 and 20; never, a drive of 25 s drifts six times as
+/// much.
+constexpr std::size_t kScansOfYoungMap = 20;
 
 /// Up to this distance from its start (in voxels), the map counts as a map of a single place.
 /// Chosen; half and twice of it move nothing (doc/results/ablation.md).
@@ -56,7 +61,10 @@ void LocalMapper::start_map(const Scan& scan, const Pose& T_odom_base, const Swe
                             LocalMap& map) {
   start_pose_ = T_odom_base;
   is_indoors_ = scan_density(scan) == 1.0 && sweep.median_range() <= kIndoorRange;
-  map.restart((is_indoors_ ? indoor_voxel_scale(scan) : 1.0) * voxel_size_);
+  const double scale = is_indoors_ ? indoor_voxel_scale(scan) : 1.0;
+  map.restart(scale * voxel_size_);
+  is_young_ = is_indoors_ && scale > kIndoorVoxelScale;
+  young_scans_.clear();
   ring_spacing_ =
       RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
 }
@@ -84,8 +92,8 @@ void LocalMapper::insert_points(const Scan& scan, const SampledPoints& dense, Sw
                                 TrackerState& state) {
   const MotionState& motion = state.filter.state();
   state.map.set_scan_density(scan_density(scan));
-  state.map.set_ring_spacing(ring_spacing_.spacing_at(motion.T_map_sensor));
-  state.map.insert(dense, motion);
+  insert_at(motion, dense, state.map);
+  if (is_young_) refine_when_filled({dense, motion}, state.map);
   // The surfaces of a room are small, and many rings hit each of them: with these points, the
   // error of a recorded sensor of 16 beams that stands in a room is 15 mm instead of 5.
   if (!is_indoors_ && state.coverage.inserted_scans < kInitialScans) {
@@ -97,6 +105,22 @@ void LocalMapper::insert_points(const Scan& scan, const SampledPoints& dense, Sw
       kSinglePlaceRadius * state.map.fine().resolution()) {
     state.coverage.is_single_place = false;
   }
+}
+
+void LocalMapper::insert_at(const MotionState& motion, const SampledPoints& points,
+                            LocalMap& map) const {
+  map.set_ring_spacing(ring_spacing_.spacing_at(motion.T_map_sensor));
+  map.insert(points, motion);
+}
+
+/// Builds the map anew with small voxels as soon as there are scans to fill them.
+void LocalMapper::refine_when_filled(InsertedScan scan, LocalMap& map) {
+  young_scans_.push_back(std::move(scan));
+  if (young_scans_.size() < kScansOfYoungMap) return;
+  map.restart(kIndoorVoxelScale * voxel_size_);
+  for (const InsertedScan& young : young_scans_) insert_at(young.motion, young.points, map);
+  young_scans_.clear();
+  is_young_ = false;
 }
 
 void LocalMapper::skip(StepTimer& timer) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "lidar_mapping/front_end/step_timer.hpp"
 
 #include "local_map/elevation_calibration.hpp"
@@ -43,13 +45,24 @@ class LocalMapper {
   const ElevationCalibration& elevation() const { return elevation_; }
 
  private:
+  /// Dense points of a scan, and the motion with which they were inserted.
+  struct InsertedScan {
+    SampledPoints points;
+    registration::MotionState motion;
+  };
+
   void insert_points(const Scan& scan, const SampledPoints& dense, SweepSampler& sweep,
                      TrackerState& state);
+  void insert_at(const registration::MotionState& motion, const SampledPoints& points,
+                 LocalMap& map) const;
+  void refine_when_filled(InsertedScan scan, LocalMap& map);
 
   double voxel_size_;
   bool calibrates_elevation_;
   bool viewpoint_known_ = false;
   bool is_indoors_ = false;  ///< the map began in a room
+  bool is_young_ = false;    ///< its voxels are larger than those of a room, until they are filled
+  std::vector<InsertedScan> young_scans_;  ///< the scans inserted so far, while it is young
   RingSpacingGate ring_spacing_;
   Pose start_pose_;      ///< pose of the map's first scan, at its stamp
   Pose last_insertion_;  ///< pose of the scan last inserted
