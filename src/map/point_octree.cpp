@@ -86,7 +86,9 @@ class Divider {
       : cube_(cube), options_(options), directory_(directory), sink_(sink) {}
 
   void divide_stored(const OctreeKey& key, PointSpool points) const {
-    if (points.size() <= options_.points_in_memory || key.depth == OctreeCube::kMaxDepth) {
+    // What is not divided at all is not divided on the disk either.
+    const std::size_t most = std::max(options_.points_in_memory, kUndividedPoints);
+    if (points.size() <= most || key.depth == OctreeCube::kMaxDepth) {
       return divide_in_memory(key, points);
     }
     std::array<std::unique_ptr<PointSpool>, 8> children = split(key, std::move(points));

@@ -22,7 +22,7 @@ import tempfile
 import threading
 import time
 
-TIMEOUT = 120  # s; without a graphics card a frame takes long
+TIMEOUT = 300  # s; without a graphics card a frame takes long
 
 
 def check(holds, problem):

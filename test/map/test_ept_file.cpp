@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Entwine Point Tiles, read back by a reader of their specification (read_ept.py).
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iomanip>
@@ -60,22 +61,34 @@ EptOptions options_with(const std::optional<GeodeticDatum>& datum, std::size_t p
   return options;
 }
 
+std::array<double, 3> rounded(const MillimetreFrame& frame, const Eigen::Vector3d& p_map) {
+  const auto mm = frame.millimetres(frame.projected(p_map));
+  const Eigen::Vector3d& offset = frame.offset();
+  return {offset.x() + kMillimetre * mm[0], offset.y() + kMillimetre * mm[1],
+          offset.z() + kMillimetre * mm[2]};
+}
+
 /// What read_ept.py has to find.
 void write_expected(const TileSource& tiles, const EptOptions& options, const fs::path& path) {
   float largest = 0.0F;
   tiles([&](const MapTile& tile) {
     for (const Point& point : tile.cloud.points) largest = std::max(largest, point.intensity);
   });
-  const MillimetreFrame frame(options.datum);
+  MillimetreFrame frame(options.datum);
+  tiles([&, is_first = true](const MapTile& tile) mutable {
+    if (is_first) frame.set_offset_near(tile.origin);
+    is_first = false;
+  });
   std::ofstream file(path);
   file << std::fixed << std::setprecision(6);
   tiles([&](const MapTile& tile) {
     for (std::size_t i = 0; i < tile.cloud.size(); ++i) {
       const Point& point = tile.cloud.points[i];
-      const Eigen::Vector3d p = frame.projected(tile.origin + point.position().cast<double>());
+      // In whole millimetres, so that the reader finds the same order.
+      for (const double coordinate : rounded(frame, tile.origin + point.position().cast<double>()))
+        file << coordinate << ' ';
       const PointOrigin origin = options.origin(tile.key_frames[i]);
-      file << p.x() << ' ' << p.y() << ' ' << p.z() << ' '
-           << std::lround(point.intensity / largest * 65535.0F) << ' ' << origin.drive << ' '
+      file << std::lround(point.intensity / largest * 65535.0F) << ' ' << origin.drive << ' '
            << to_seconds(origin.stamp) << '\n';
     }
   });
@@ -99,8 +112,8 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
 
 TEST(Ept, HoldsAllPointsInTheirNodes) {
   const TemporaryFolder folder;
-  const TileSource tiles = streets(6, 50'000);
-  const EptOptions options = options_with(kDatum, 60'000, 2);
+  const TileSource tiles = streets(6, 20'000);
+  const EptOptions options = options_with(kDatum, 45'000, 2);
   write_ept(tiles, options, folder.path() / "ept");
   write_expected(tiles, options, folder.path() / "expected.txt");
   EXPECT_EQ(read_back(folder.path() / "ept", folder.path() / "expected.txt"), 0);
@@ -119,11 +132,11 @@ TEST(Ept, StaysInTheMapFrameWithoutDatum) {
 // Neither the threads nor what is divided on the disk change a byte.
 TEST(Ept, HasTheSameBytesForAnyMemoryAndThreads) {
   const TemporaryFolder folder;
-  const TileSource tiles = streets(6, 50'000);
+  const TileSource tiles = streets(6, 20'000);
   write_ept(tiles, options_with(kDatum, 1'000'000, 1), folder.path() / "whole");
-  write_ept(tiles, options_with(kDatum, 60'000, 4), folder.path() / "parts");
+  write_ept(tiles, options_with(kDatum, 45'000, 4), folder.path() / "parts");
   const auto whole = files_in(folder.path() / "whole");
-  ASSERT_GT(whole.size(), 20U);
+  ASSERT_GT(whole.size(), 5U);
   EXPECT_TRUE(whole == files_in(folder.path() / "parts"));
 }
 
