@@ -6,6 +6,7 @@ find_package(Ceres REQUIRED)
 find_package(PCL REQUIRED COMPONENTS common kdtree search filters sample_consensus features registration io)
 find_package(GeographicLib REQUIRED)
 find_package(PNG REQUIRED)
+find_package(GDAL QUIET)  # optional: of the format geotiff
 find_package(SQLite3 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 QUIET)
@@ -31,6 +32,9 @@ lidar_mapping_import(lidar_mapping_pcl_io INCLUDES ${PCL_INCLUDE_DIRS}
                      LIBRARIES ${pcl_core_libraries} ${PCL_IO_LIBRARIES})
 lidar_mapping_import(lidar_mapping_geographiclib INCLUDES ${GeographicLib_INCLUDE_DIRS}
                      LIBRARIES ${GeographicLib_LIBRARIES})
+if(GDAL_FOUND)
+  lidar_mapping_import(lidar_mapping_gdal INCLUDES ${GDAL_INCLUDE_DIRS} LIBRARIES ${GDAL_LIBRARIES})
+endif()
 # SuiteSparse's sparse Cholesky, which Ceres builds on, has no package file of its own.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)

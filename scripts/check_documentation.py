@@ -53,9 +53,10 @@ SHORTENED = (
     (r'--duration 100', r'--duration 3'),
     (r'odometry_campaign .*', r'odometry_campaign --lidars vlp16 --duration 3 --case clean'),
     (r'rosbag play (?!.*-r )', r'rosbag play -r 3 '),
+    (r'http\.server 8000', r'http.server --bind 127.0.0.1 0'),  # on a free port
 )
 # Commands that run until they are ended; the rest of their block runs meanwhile.
-LASTING = re.compile(r'^(roslaunch|roscore|rosrun (tf2_ros|rviz|lidar_mapping \w+_node(?! --))) ?')
+LASTING = re.compile(r'^(roslaunch|roscore|python3 -m http\.server|rosrun (tf2_ros|rviz|lidar_mapping \w+_node(?! --))) ?')
 RED = re.compile(r'\[(ERROR|FATAL)\]|\bERROR\b|\x1b\[31m|Traceback|\bFailed\b|has died|^success: False')
 # Folders whose files the pages name by their path.
 FOLDERS = ('src', 'test', 'scripts', 'config', 'launch', 'doc', 'include', 'msg', 'srv', 'rviz', 'cmake', '.ci')

@@ -188,6 +188,18 @@ def map_again(bag, folder, played):
     return times
 
 
+def make_page(session):
+    """The map for a browser; None without three.js, which is optional."""
+    result = subprocess.run(['rosrun', PACKAGE, 'build_map', str(session), '--formats', 'web'],
+                            capture_output=True, text=True)
+    if result.returncode == 0:
+        return session / 'map' / 'ept' / 'index.html'
+    print(result.stderr.strip())
+    if 'libjs-three' not in result.stderr:
+        sys.exit('demo: the page for a browser failed')
+    return None
+
+
 def print_table(errors):
     print(f"\n{'':28}{'APE RMSE':>10}{'APE max':>10}{'drift':>10}{'rotation':>16}")
     for name, title in (('odometry', 'odometry'), ('loops', 'loops, without GNSS'),
@@ -224,6 +236,8 @@ def main():
     shutil.copy(variants / 'gnss_loops' / 'trajectory.png', demo / 'trajectory.png')
     rosrun('build_map', session, '--formats', 'png', '--output', demo, stdout=subprocess.DEVNULL)
 
+    page = make_page(session)
+
     say('Judging the map')
     rosrun('map_quality', session, '--report', '--truth', truth, '--places', 5)
     run(ROOT / 'scripts' / 'plot_loops.py', session / 'report.json', demo / 'loops.png')
@@ -252,7 +266,7 @@ def main():
                         ('trajectory plot', demo / 'trajectory.png'),
                         ('loops plot', demo / 'loops.png'),
                         ('view from above', demo / 'top_view.png'), ('figures', demo / 'summary.json')] + [
-                            ('map', path) for path in saved['files']]:
+                            ('map', path) for path in saved['files']] + ([('page for a browser', page)] if page else []):
         print(f'{title + ":":18}{path}')
 
 

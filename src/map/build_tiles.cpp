@@ -50,7 +50,7 @@ class TileAccumulator {
   void load(const std::vector<TileStore::PointsByTile>& parts) {
     std::vector<TileIndex> stored;
     for (const TileStore::PointsByTile& part : parts) {
-      for (const auto& [index, points] : part) {
+      for (const auto& [index, points] : part.tiles) {
         std::size_t& last_use = last_use_[index];
         if (last_use == batches_) continue;
         last_use = batches_;
@@ -103,7 +103,8 @@ void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfi
     const std::vector<PointCloudPtr> found = clouds.clouds(indices, config.threads);
     std::vector<CloudWithPose> batch;
     for (std::size_t i = begin; i < end; ++i) {
-      if (found[i - begin]) batch.push_back({found[i - begin], poses.poses[i].T_map_base});
+      const KeyFramePose& pose = poses.poses[i];
+      if (found[i - begin]) batch.push_back({pose.index, found[i - begin], pose.T_map_base});
     }
     accumulator.add(batch);
   }

@@ -147,7 +147,7 @@ class MapBuilder::Impl {
       return;
     }
     stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
-    key_frame.tiles = tiles_.tiles_of({cloud, key_frame.target_pose});
+    key_frame.tiles = tiles_.tiles_of({index, cloud, key_frame.target_pose});
     key_frame.inserted_pose = key_frame.target_pose;
     stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
   }
@@ -191,7 +191,7 @@ class MapBuilder::Impl {
           continue;
         }
         if (!key_frame.inserted_pose) key_frame.inserted_pose = key_frame.target_pose;
-        batch.push_back({clouds[i], *key_frame.inserted_pose});
+        batch.push_back({indices[begin + i], clouds[i], *key_frame.inserted_pose});
         inserted.push_back(&key_frame);
       }
       insertions_ += batch.size();

@@ -22,6 +22,9 @@ struct MapFormat {
   void (*write_points)(const std::filesystem::path& file, const CloudParts& points);
   /// Writer of all other formats; null for those with `write_points`.
   void (ProductWriter::*write)();
+  /// Why the format cannot be written on this machine, with the remedy; empty text if it can. Null:
+  /// it always can.
+  std::string (*obstacle)() = nullptr;
 };
 
 /// All formats, in the order in which they are written.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/drive_marks.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/map/map_tile.hpp"
@@ -25,6 +26,12 @@ Files save_tiles(const TileSource& tiles, double tile_size, const std::filesyste
 /// `max_intensity` is the largest in the map and is scaled to 65535. Throws FileError.
 void write_las(const std::filesystem::path& path, const TileSource& tiles,
                const std::optional<GeodeticDatum>& datum, float max_intensity);
+
+/// Writes trajectory.geojson (a line for each drive), loops.geojson and doubt.geojson in WGS 84
+/// (RFC 7946: longitude, latitude, height above the ellipsoid). Without a datum their names end in
+/// _local_metres.geojson, and positions are metres in the map frame. Throws FileError.
+Files write_geojson(const DriveMarks& marks, const std::optional<GeodeticDatum>& datum,
+                    const std::filesystem::path& directory);
 
 /// Which cells of the 2D grid are obstacles for a vehicle. A cell with enough points between these
 /// heights above the local ground is occupied; a cell with ground alone is free, and so is one

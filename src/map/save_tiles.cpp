@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include "lidar_mapping/common/atomic_file.hpp"
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 #include "map_products.hpp"
+#include "whole_folder.hpp"
 
 namespace lidar_mapping::map {
 
@@ -19,15 +19,6 @@ std::string tile_file_name(const Eigen::Vector3d& origin) {
 }
 
 constexpr const char* kMetadata = "pointcloud_map_metadata.yaml";
-
-/// Replaces an older folder by a finished one.
-void replace_folder(const fs::path& finished, const fs::path& directory) {
-  const fs::path old = directory.parent_path() / ("." + directory.filename().string() + ".old");
-  fs::remove_all(old);
-  if (fs::exists(directory)) fs::rename(directory, old);
-  fs::rename(finished, directory);
-  fs::remove_all(old);
-}
 
 Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
   Files names;
@@ -48,26 +39,12 @@ Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& dir
 }  // namespace
 
 Files save_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
-  if (fs::exists(directory) && !fs::exists(directory / kMetadata)) {
-    throw FileError(directory.string() +
-                    " is there already and holds no tiles of a map; name another directory");
-  }
-  const fs::path target = fs::absolute(directory / ".").lexically_normal().parent_path();
-  const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
   Files files;
-  try {
-    fs::remove_all(temporary);
-    for (const fs::path& name : write_tiles(tiles, tile_size, temporary)) {
+  write_whole_folder(directory, kMetadata, "tiles of a map", [&](const fs::path& folder) {
+    for (const fs::path& name : write_tiles(tiles, tile_size, folder)) {
       files.push_back(directory / name);
     }
-    replace_folder(temporary, target);
-  } catch (const fs::filesystem_error& error) {
-    throw FileError("cannot write " + directory.string() + ": " + error.what());
-  } catch (const Error&) {
-    std::error_code ignored;
-    fs::remove_all(temporary, ignored);
-    throw;
-  }
+  });
   return files;
 }
 

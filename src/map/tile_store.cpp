@@ -22,6 +22,7 @@ struct TileInsertion {
 
   VoxelTile* tile;
   std::vector<const std::vector<TilePoint>*> sorted_clouds;
+  std::vector<KeyFrameIndex> key_frames;  ///< Of each cloud.
 };
 
 }  // namespace
@@ -35,7 +36,7 @@ std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<CloudWithPo
   insert(sorted_clouds);
   std::vector<std::vector<TileIndex>> touched(clouds.size());
   for (std::size_t i = 0; i < clouds.size(); ++i) {
-    for (const auto& [index, points] : sorted_clouds[i]) touched[i].push_back(index);
+    for (const auto& [index, points] : sorted_clouds[i].tiles) touched[i].push_back(index);
   }
   return touched;
 }
@@ -50,19 +51,26 @@ std::vector<TileStore::PointsByTile> TileStore::sort_into_tiles(
 }
 
 void TileStore::insert(const std::vector<PointsByTile>& clouds) {
-  std::map<TileIndex, std::vector<const std::vector<TilePoint>*>> by_tile;
+  std::map<TileIndex, TileInsertion> by_tile;
   for (const PointsByTile& cloud : clouds) {
-    for (const auto& [index, points] : cloud) by_tile[index].push_back(&points);
+    for (const auto& [index, points] : cloud.tiles) {
+      by_tile[index].sorted_clouds.push_back(&points);
+      by_tile[index].key_frames.push_back(cloud.key_frame);
+    }
   }
   std::vector<TileInsertion> work;
-  for (auto& [index, sorted_clouds] : by_tile)
-    work.push_back({&tiles_[index], std::move(sorted_clouds)});
+  for (auto& [index, insertion] : by_tile) {
+    insertion.tile = &tiles_[index];
+    work.push_back(std::move(insertion));
+  }
   // Most points lie in few of the tiles: the largest tasks start first.
   std::sort(work.begin(), work.end(),
             [](const TileInsertion& a, const TileInsertion& b) { return a.points() > b.points(); });
   parallel_chunks(work.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (const auto* points : work[i].sorted_clouds) work[i].tile->insert(*points);
+      for (std::size_t cloud = 0; cloud < work[i].sorted_clouds.size(); ++cloud) {
+        work[i].tile->insert(*work[i].sorted_clouds[cloud], work[i].key_frames[cloud]);
+      }
     }
   });
 }
@@ -80,6 +88,7 @@ std::vector<TileIndex> TileStore::tiles_of(const CloudWithPose& cloud) const {
 TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
                                                   const std::set<TileIndex>* only) const {
   PointsByTile sorted;
+  sorted.key_frame = cloud.key_frame;
   const Eigen::Matrix3d rotation = cloud.T_map_base.rotation_matrix();
   TileGrid::Square square;
   std::vector<TilePoint>* points = nullptr;  // null while the tile is not selected
@@ -91,7 +100,7 @@ TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
     if (!square.contains(voxel)) {
       square = grid_.square_of(voxel);
       const bool is_selected = only == nullptr || only->count(square.tile()) > 0;
-      points = is_selected ? &sorted[square.tile()] : nullptr;
+      points = is_selected ? &sorted.tiles[square.tile()] : nullptr;
     }
     if (points == nullptr) continue;
     const Eigen::Vector3f local = (p_map - square.origin()).cast<float>();
@@ -115,7 +124,9 @@ MapTile TileStore::tile(const TileIndex& index) const {
   result.index = index;
   result.origin = grid_.origin_of(index);
   const auto found = tiles_.find(index);
-  if (found != tiles_.end()) found->second.append_to(result.cloud, Eigen::Vector3d::Zero());
+  if (found == tiles_.end()) return result;
+  found->second.append_to(result.cloud, Eigen::Vector3d::Zero());
+  result.key_frames = found->second.key_frames();
   return result;
 }
 

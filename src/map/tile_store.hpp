@@ -11,8 +11,9 @@
 
 namespace lidar_mapping::map {
 
-/// A cloud in base_link with its pose in the map.
+/// The cloud of a key frame in base_link with its pose in the map.
 struct CloudWithPose {
+  KeyFrameIndex key_frame = 0;
   PointCloudPtr cloud;
   Pose T_map_base;
 };
@@ -23,7 +24,11 @@ class TileStore {
  public:
   TileStore(double resolution, double tile_size, int threads);
 
-  using PointsByTile = std::map<TileIndex, std::vector<TilePoint>>;
+  /// The points of a cloud, sorted into tiles.
+  struct PointsByTile {
+    KeyFrameIndex key_frame = 0;
+    std::map<TileIndex, std::vector<TilePoint>> tiles;
+  };
 
   /// Adds the points that lie in the tiles of `only` (null: all tiles). Returns the indices of the
   /// tiles that each cloud touches.

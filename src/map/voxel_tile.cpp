@@ -54,7 +54,7 @@ VoxelTile::VoxelTile(std::vector<Voxel> voxels) : voxels_(std::move(voxels)) {
   rebuild_slots(slots);
 }
 
-void VoxelTile::insert(const std::vector<TilePoint>& points) {
+void VoxelTile::insert(const std::vector<TilePoint>& points, KeyFrameIndex key_frame) {
   // Slots and voxels are prefetched while others are processed, because they are rarely in the
   // cache: so many points ahead. Chosen; results do not depend on it.
   constexpr std::size_t kSlotPrefetch = 16;
@@ -70,16 +70,17 @@ void VoxelTile::insert(const std::vector<TilePoint>& points) {
         __builtin_prefetch(&voxels_[slot - 1].count);
       }
     }
-    insert(points[i]);
+    insert(points[i], key_frame);
   }
 }
 
-void VoxelTile::insert(const TilePoint& point) {
+void VoxelTile::insert(const TilePoint& point, KeyFrameIndex key_frame) {
   if (2 * (voxels_.size() + 1) > slots_.size()) rebuild_slots(2 * slots_.size());
   std::uint32_t& slot = slots_[slot_of(point.voxel)];
   if (slot == 0) {
     if (voxels_.size() == voxels_.capacity()) voxels_.reserve(grown_capacity(voxels_.size()));
     voxels_.push_back({point.voxel});
+    voxels_.back().key_frame = key_frame;
     slot = static_cast<std::uint32_t>(voxels_.size());
   }
   Voxel& voxel = voxels_[slot - 1];
@@ -99,6 +100,13 @@ void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) cons
                             static_cast<float>(voxel.z * scale + offset.z()),
                             static_cast<float>(voxel.intensity * scale)});
   }
+}
+
+std::vector<KeyFrameIndex> VoxelTile::key_frames() const {
+  std::vector<KeyFrameIndex> key_frames;
+  key_frames.reserve(voxels_.size());
+  for (const Voxel& voxel : voxels_) key_frames.push_back(voxel.key_frame);
+  return key_frames;
 }
 
 void VoxelTile::rebuild_slots(std::size_t count) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/map/map_tile.hpp"
 
 namespace lidar_mapping::map {
@@ -73,6 +74,7 @@ struct Voxel {
   double z = 0.0;
   double intensity = 0.0;
   std::uint32_t count = 0;
+  KeyFrameIndex key_frame = 0;  ///< Of its first point.
 };
 
 /// Centroid and mean intensity of each occupied voxel of a tile, in the order in which the voxels
@@ -84,15 +86,17 @@ class VoxelTile {
   /// Restores a tile from its voxels().
   explicit VoxelTile(std::vector<Voxel> voxels);
 
-  /// Inserts points in their order.
-  void insert(const std::vector<TilePoint>& points);
+  /// Inserts points of a key frame in their order.
+  void insert(const std::vector<TilePoint>& points, KeyFrameIndex key_frame);
   std::size_t size() const { return voxels_.size(); }
   const std::vector<Voxel>& voxels() const { return voxels_; }
   /// Appends the centroids to `cloud`, translated by `offset` (m).
   void append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const;
+  /// The key frame that observed each voxel first, in the order of voxels().
+  std::vector<KeyFrameIndex> key_frames() const;
 
  private:
-  void insert(const TilePoint& point);
+  void insert(const TilePoint& point, KeyFrameIndex key_frame);
   void rebuild_slots(std::size_t count);
   std::size_t first_slot_of(std::uint64_t key) const;
   std::size_t slot_of(std::uint64_t key) const;

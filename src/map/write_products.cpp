@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <unordered_map>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
@@ -11,8 +12,12 @@
 #include "lidar_mapping/map/top_view.hpp"
 #include "lidar_mapping/moving_objects/moving_objects.hpp"
 
+#include "ept_file.hpp"
+#include "geotiff_files.hpp"
 #include "map_formats.hpp"
 #include "map_products.hpp"
+#include "web_page.hpp"
+#include "whole_folder.hpp"
 
 namespace lidar_mapping::map {
 
@@ -22,15 +27,37 @@ bool contains(const std::string& format, const std::vector<std::string>& formats
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
-/// The names in lower case. Throws InputError for an unknown one.
+/// The names in lower case. Throws InputError for an unknown one, and one that cannot be written.
 std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
   std::vector<std::string> result;
   for (const std::string& format : formats) {
     result.push_back(lower_case(format));
-    if (find_format(result.back()) != nullptr) continue;
-    throw InputError("map format '" + format + "' is not known; use " + joined(product_formats()));
+    if (find_format(result.back()) == nullptr) {
+      throw InputError("map format '" + format + "' is not known; use " +
+                       joined(product_formats()));
+    }
+    const std::string obstacle = obstacle_to(result.back());
+    if (!obstacle.empty()) throw InputError("map format '" + format + "': " + obstacle);
   }
   return result;
+}
+
+/// Stamp and drive of key frames or scans, by index.
+std::function<PointOrigin(KeyFrameIndex)> origins_of(const KeyFramePoses& poses,
+                                                     const DriveMarks& marks) {
+  std::map<Stamp, std::uint32_t> drives;
+  for (const WayPoint& point : marks.way) drives[point.stamp] = point.segment;
+  std::unordered_map<KeyFrameIndex, PointOrigin> origins;
+  for (const KeyFramePose& pose : poses.poses) {
+    // A scan between two key frames belongs to the drive of the one before.
+    const auto next = drives.upper_bound(pose.stamp);
+    const std::uint32_t drive = next == drives.begin() ? 0 : std::prev(next)->second;
+    origins[pose.index] = {pose.stamp, static_cast<std::uint16_t>(drive)};
+  }
+  return [origins = std::move(origins)](KeyFrameIndex index) {
+    const auto found = origins.find(index);
+    return found == origins.end() ? PointOrigin{} : found->second;
+  };
 }
 
 std::string text_of(const Eigen::Vector3d& p) {
@@ -113,6 +140,22 @@ class ProductWriter {
     add({folder});
   }
 
+  void write_ept() {
+    if (!has_tiles_of_levels_) make_tiles_of_levels();
+    add({ept_folder() / "ept.json"});
+  }
+
+  void write_web() {
+    if (!has_tiles_of_levels_) make_tiles_of_levels();
+    add({ept_folder() / "index.html"});
+  }
+
+  void write_geotiff() {
+    add(map::write_geotiff(tiles(), options_.datum, options_.pixel, directory_));
+  }
+
+  void write_geojson() { add(map::write_geojson(marks(), options_.datum, directory_)); }
+
   void write_las() {
     const auto file = directory_ / (options_.name + ".las");
     map::write_las(file, tiles(), options_.datum, max_intensity());
@@ -121,6 +164,44 @@ class ProductWriter {
 
  private:
   bool is_selected(const std::string& format) const { return contains(format, options_.formats); }
+
+  std::filesystem::path ept_folder() const { return directory_ / "ept"; }
+
+  /// The tiles and the page are one folder, which appears as a whole.
+  void make_tiles_of_levels() {
+    EptOptions ept;
+    ept.datum = options_.datum;
+    ept.origin = origins_of(poses_, marks());
+    ept.octree.threads = config_.threads;
+    write_whole_folder(ept_folder(), "ept.json", "Entwine Point Tiles",
+                       [&](const std::filesystem::path& folder) {
+                         map::write_ept(tiles(), ept, folder);
+                         if (!is_selected("web")) return;
+                         const WebPage page{title(), options_.datum, config_.resolution, marks()};
+                         add_web_page(page, folder);
+                       });
+    has_tiles_of_levels_ = true;
+  }
+
+  /// The name of the session, in whose folder map/ its maps are; else that of the folder.
+  std::string title() const {
+    const auto folder =
+        std::filesystem::absolute(directory_ / ".").lexically_normal().parent_path();
+    return (folder.filename() == "map" ? folder.parent_path() : folder).filename().string();
+  }
+
+  const DriveMarks& marks() {
+    if (!marks_) marks_ = options_.marks ? options_.marks() : marks_of_poses();
+    return *marks_;
+  }
+
+  DriveMarks marks_of_poses() const {
+    DriveMarks marks;
+    for (const KeyFramePose& pose : poses_.poses) {
+      marks.way.push_back({pose.index, 0, pose.stamp, pose.T_map_base.translation});
+    }
+    return marks;
+  }
 
   CloudSource& uncropped() {
     if (static_clouds_) return *static_clouds_;
@@ -243,7 +324,9 @@ class ProductWriter {
   std::unique_ptr<moving_objects::StaticClouds> static_clouds_;
   std::unique_ptr<CroppedClouds> cropped_;
   std::optional<CloudParts> points_;
+  std::optional<DriveMarks> marks_;
   bool has_picture_ = false;
+  bool has_tiles_of_levels_ = false;
   Products products_;
 };
 
@@ -254,7 +337,11 @@ const std::vector<MapFormat>& map_formats() {
       {"png", "view from above", false, nullptr, &ProductWriter::write_picture},
       {"las", "", true, nullptr, &ProductWriter::write_las},
       {"tiles", "Autoware", false, nullptr, &ProductWriter::write_tiles},
-      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid}};
+      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid},
+      {"ept", "Entwine Point Tiles", false, nullptr, &ProductWriter::write_ept},
+      {"web", "page for a browser", false, nullptr, &ProductWriter::write_web, &web_obstacle},
+      {"geotiff", "rasters", false, nullptr, &ProductWriter::write_geotiff, &geotiff_obstacle},
+      {"geojson", "trajectory, loops, doubt", false, nullptr, &ProductWriter::write_geojson}};
   return formats;
 }
 
@@ -263,6 +350,13 @@ const MapFormat* find_format(const std::string& name) {
     if (format.name == name) return &format;
   }
   return nullptr;
+}
+
+void check_formats(const std::vector<std::string>& formats) { known_formats(formats); }
+
+std::string obstacle_to(const std::string& format) {
+  const MapFormat* known = find_format(format);
+  return known == nullptr || known->obstacle == nullptr ? std::string() : known->obstacle();
 }
 
 const std::vector<std::string>& product_formats() {

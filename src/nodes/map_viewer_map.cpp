@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/pipeline/session_marks.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
@@ -109,7 +110,7 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   try {
     MapOrder order = map_order(request);
     order.options.datum = datum;
-    complete(order.options);
+    complete(order.options, poses);
     if (order.directory.empty()) order.directory = session_map();
     const map::Products products =
         map::write_products(poses, run->clouds, with_resolution(config_.stage, request.resolution),
@@ -128,9 +129,9 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   return response;
 }
 
-/// Adds sensor origin and datum from the session. Its datum has priority over that of this node,
-/// because a resumed session keeps the datum of its first drive.
-void MapViewerNode::complete(map::ProductOptions& options) const {
+/// Adds sensor origin, datum and marks from the session. Its datum has priority over that of this
+/// node, because a resumed session keeps the datum of its first drive.
+void MapViewerNode::complete(map::ProductOptions& options, const KeyFramePoses& poses) const {
   options.frame = config_.node.map_frame;
   std::string folder;
   if (!context_.node.getParam("session_folder", folder)) return;
@@ -138,6 +139,10 @@ void MapViewerNode::complete(map::ProductOptions& options) const {
     const auto session = session::Session::open(folder, session::Session::Access::kRead);
     options.p_base_sensor = session.sensor_origin();
     if (session.datum()) options.datum = session.datum();
+    options.marks = [folder, &poses] {
+      return pipeline::session_marks(
+          session::Session::open(folder, session::Session::Access::kRead), poses);
+    };
   } catch (const FileError&) {
     // The session is on another machine, so the sensor origin is unknown.
   }

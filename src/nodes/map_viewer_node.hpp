@@ -64,7 +64,7 @@ class MapViewerNode {
   SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                          const std::optional<GeodeticDatum>& datum,
                          const SaveMap::Request& request);
-  void complete(map::ProductOptions& options) const;
+  void complete(map::ProductOptions& options, const KeyFramePoses& poses) const;
   std::filesystem::path session_map() const;
 
   Config config_;

@@ -27,7 +27,8 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("-o,--output", options.output.folder, "folder for the files; map/ of the session");
   app.add_option("--resolution", options.output.resolution,
                  "edge of the voxels, m; as in the drive");
-  app.add_option("--pixel", options.output.products.pixel, "size of the picture's pixels, m")
+  app.add_option("--pixel", options.output.products.pixel,
+                 "size of the pixels of picture and geotiff, m")
       ->check(above_zero());
   app.add_option("--tile-size", options.output.tile_size, "edge of the tiles, m; as in the drive");
   app.add_option("--cell", options.output.grid_cell,

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
+#include "lidar_mapping/pipeline/session_marks.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
 namespace lidar_mapping::tools {
@@ -58,6 +59,7 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const S
 void check_numbers(const MapOutput& output) {
   const MapConfig config = make_config(output, {});
   const auto& formats = output.products.formats;
+  map::check_formats(formats);
   if (std::find(formats.begin(), formats.end(), "grid") != formats.end()) map::grid_cell(config);
 }
 
@@ -103,6 +105,9 @@ map::Files write_map(const Session& session, const MapOutput& output, const KeyF
   options.datum = session.datum();
   options.p_base_sensor = sensor_origin_of(output, session);
   options.keep_moving = output.keep_moving;
+  options.marks = [&] {
+    return pipeline::session_marks(session, key_frame_poses(session, output));
+  };
   const map::Products products =
       map::write_products(poses, clouds, config, options, map_folder(session, output));
   std::printf("%zu points of %zu %s\n", products.points, poses.poses.size(), name.c_str());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tests each row of the table of formats.
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <string>
 
@@ -33,6 +34,20 @@ class OneKeyFrame : public CloudSource {
   const KeyFramePoses poses{1, true, {{0, 0, Pose::Identity()}}};
 };
 
+/// All but those that lack an optional package on this machine.
+std::vector<std::string> writable_formats() {
+  std::vector<std::string> formats;
+  for (const std::string& format : product_formats()) {
+    const std::string obstacle = obstacle_to(format);
+    if (obstacle.empty()) {
+      formats.push_back(format);
+    } else {
+      std::printf("%s is NOT tested: %s\n", format.c_str(), obstacle.c_str());
+    }
+  }
+  return formats;
+}
+
 class MapFormats : public testing::Test {
  protected:
   Products written(const std::vector<std::string>& formats) {
@@ -47,7 +62,7 @@ class MapFormats : public testing::Test {
 };
 
 TEST_F(MapFormats, WritesEachFormatAlone) {
-  for (const std::string& format : product_formats()) {
+  for (const std::string& format : writable_formats()) {
     const Products products = written({format});
     ASSERT_FALSE(products.files.empty()) << format;
     EXPECT_GT(products.points, 1000U) << format;
@@ -56,10 +71,10 @@ TEST_F(MapFormats, WritesEachFormatAlone) {
 }
 
 TEST_F(MapFormats, WritesAllFormatsTogetherAndEachFileOnce) {
-  std::vector<std::filesystem::path> files = written(product_formats()).files;
+  std::vector<std::filesystem::path> files = written(writable_formats()).files;
   std::sort(files.begin(), files.end());
   EXPECT_EQ(std::adjacent_find(files.begin(), files.end()), files.end());
-  EXPECT_GE(files.size(), product_formats().size());
+  EXPECT_GE(files.size(), writable_formats().size());
 }
 
 TEST_F(MapFormats, SingleFilesHaveNameAndFormat) {

@@ -12,6 +12,7 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 
+#include "ept_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace {
@@ -117,6 +118,16 @@ TEST(SaveMap, MemoryDoesNotGrowWithLengthOfDrive) {
   expect_no_growth_with_length([&](const TileSource& tiles) {
     save_map(stored_parts(tiles, folder.path()), {}, folder.path(), {"ply"});
   });
+}
+
+TEST(WriteEpt, MemoryDoesNotGrowWithLengthOfDrive) {
+  const test::TemporaryFolder folder;
+  EptOptions options;
+  options.origin = [](KeyFrameIndex) { return PointOrigin{}; };
+  options.octree.points_in_memory = 50'000;
+  options.octree.threads = 2;
+  expect_no_growth_with_length(
+      [&](const TileSource& tiles) { write_ept(tiles, options, folder.path()); });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "lidar_mapping/common/trajectory.hpp"
 
@@ -58,6 +59,24 @@ TEST_F(BuildMap, CropsToABox) {
   words = {whole(), "-o", folder_.path() / "none", "--crop", "9000", "0", "0", "9001", "1", "1"};
   EXPECT_EQ(run("build_map", words), 1);
   EXPECT_TRUE(has_said("no point of the map lies in the box")) << said();
+}
+
+/// What the page and a GIS show of this drive; the other tests of these formats have maps by hand.
+TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
+  const fs::path target = folder_.path() / "gis";
+  ASSERT_EQ(run("build_map", {whole(), "-o", target, "--formats", "ept,geojson,pcd"}), 0) << said();
+  const std::string reader = "python3 map/read_ept.py " + (target / "ept").string();
+  EXPECT_EQ(std::system(reader.c_str()), 0);
+  EXPECT_FALSE(fs::exists(target / "ept" / "index.html")) << "nobody asked for the page";
+  const auto ept = nlohmann::json::parse(content(target / "ept" / "ept.json"));
+  EXPECT_EQ(ept["points"], session::read_pcd(target / "map.pcd").size());
+  const auto session = session::Session::open(whole(), session::Session::Access::kRead);
+  const auto& time = ept["schema"][5];
+  ASSERT_EQ(time["name"], "GpsTime");
+  EXPECT_EQ(time["minimum"], to_seconds(session.key_frames().front().stamp));
+  ASSERT_TRUE(session.datum());
+  const auto way = nlohmann::json::parse(content(target / "trajectory.geojson"));
+  EXPECT_EQ(way["features"][0]["geometry"]["coordinates"].size(), session.key_frame_count());
 }
 
 TEST_F(BuildMap, RefusesCellsSmallerThanTheVoxels) {

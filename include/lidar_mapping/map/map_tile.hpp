@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <functional>
 #include <tuple>
+#include <vector>
 
+#include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 
 namespace lidar_mapping::map {
@@ -28,6 +30,8 @@ struct MapTile {
   /// Lower corner of the square in the map frame, m; z is 0.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   PointCloud cloud;  ///< Points relative to `origin`, m.
+  /// For each point the key frame that observed its voxel first; empty if unknown.
+  std::vector<KeyFrameIndex> key_frames = {};
 };
 
 /// Receives one tile after the other.

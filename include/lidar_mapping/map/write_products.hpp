@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/drive_marks.hpp"
 #include "lidar_mapping/map/map_config.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 
@@ -16,6 +18,11 @@ namespace lidar_mapping::map {
 
 /// Names that ProductOptions::formats may hold, in upper or lower case.
 const std::vector<std::string>& product_formats();
+/// Throws InputError for a format that is not known, and for one that cannot be written here
+/// because an optional package is missing; the error names the remedy.
+void check_formats(const std::vector<std::string>& formats);
+/// Why a known format cannot be written here, with the remedy; empty if it can.
+std::string obstacle_to(const std::string& format);
 /// The same names in one line with explanations: "pcd, ply, png (view from above), ...".
 std::string product_format_help();
 /// Formats that put the map into one file, whose extension is the name of the format.
@@ -28,7 +35,8 @@ std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners);
 /// Which files are made of a map, and how.
 struct ProductOptions {
   std::vector<std::string> formats = {"pcd", "ply", "png"};  ///< Names of product_formats().
-  double pixel = 0.2;                  ///< Edge of a pixel of the view from above, m.
+  /// Edge of a pixel of the view from above and of rasters, m.
+  double pixel = 0.2;
   std::string frame = "map";           ///< Name of the frame of the points (frame_id).
   std::optional<GeodeticDatum> datum;  ///< Origin of the East-North-Up frame; none without GNSS.
   /// Position of the LiDAR in base_link, m. If it is given, points of moving objects are left out,
@@ -39,8 +47,11 @@ struct ProductOptions {
   /// Writes pcd and ply in UTM relative to the datum. (las is always in UTM, the other formats in
   /// the map frame.)
   bool utm = false;
-  std::string name = "map";   ///< Name of single files, without extension.
-  bool keep_moving = false;   ///< Keeps the points of moving objects in the map.
+  std::string name = "map";  ///< Name of single files, without extension.
+  bool keep_moving = false;  ///< Keeps the points of moving objects in the map.
+  /// Gives the way, the loops and the doubtful sections for formats that show them; empty: these
+  /// show the way alone. Called when a format needs it.
+  std::function<DriveMarks()> marks;
   bool save_removed = false;  ///< Writes the points of moving objects to moving_objects.pcd.
 };
 
@@ -52,9 +63,9 @@ struct Products {
 };
 
 /// Builds the map of these poses tile by tile and writes it into the folder (map_files.hpp,
-/// map_products.hpp, top_view.hpp). Throws FileError, and InputError for an unknown format, a map
-/// (or box) without points, UTM without a datum, or cells of the grid that are smaller than the
-/// voxels.
+/// map_products.hpp, top_view.hpp). Throws FileError, and InputError for a format that
+/// check_formats() refuses, a map (or box) without points, UTM without a datum, or cells of the
+/// grid that are smaller than the voxels.
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                         const ProductOptions& options, const std::filesystem::path& directory);
 

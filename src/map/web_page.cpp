@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "web_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
+
+#include "json.hpp"
+#include "millimetre_frame.hpp"
+#include "web_assets.hpp"
+
+namespace lidar_mapping::map {
+
+namespace {
+
+namespace fs = std::filesystem;
+using json::Json;
+
+// Bytes of points in overview.js. Chosen: 300,000 points, which a browser reads in some 0.2 s.
+constexpr std::uintmax_t kOverviewBytes = 7'200'000;
+
+double rounded(double metres) { return std::round(metres / kMillimetre) * kMillimetre; }
+
+/// Positions in the coordinates of the tiles.
+class Places {
+ public:
+  explicit Places(const std::optional<GeodeticDatum>& datum) : frame_(datum) {}
+
+  Json of(const Eigen::Vector3d& p_map) const {
+    const Eigen::Vector3d p = frame_.projected(p_map);
+    return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
+  }
+  std::uint16_t epsg() const { return frame_.epsg(); }
+
+ private:
+  const MillimetreFrame frame_;
+};
+
+Json drives_of(const DriveMarks& marks, const Places& places) {
+  std::map<std::uint32_t, Json> drives;
+  for (const WayPoint& point : marks.way) {
+    Json& drive = drives[point.segment];
+    drive["number"] = point.segment;
+    drive["way"].push_back(places.of(point.p_map));
+  }
+  Json list = Json::array();
+  for (const auto& [number, drive] : drives) list.push_back(drive);
+  return list;
+}
+
+Json loops_of(const DriveMarks& marks, const Places& places) {
+  std::map<KeyFrameIndex, Eigen::Vector3d> positions;
+  for (const WayPoint& point : marks.way) positions[point.index] = point.p_map;
+  Json list = Json::array();
+  for (const LoopMark& loop : marks.loops) {
+    list.push_back({{"from", places.of(positions.at(loop.from))},
+                    {"to", places.of(positions.at(loop.to))},
+                    {"verdict", to_string(loop.verdict)}});
+  }
+  return list;
+}
+
+Json doubts_of(const DriveMarks& marks, const Places& places) {
+  Json list = Json::array();
+  for (const DoubtMark& doubt : marks.doubts) {
+    Json way = Json::array();
+    for (const Eigen::Vector3d& p_map : doubt.way_map) way.push_back(places.of(p_map));
+    const bool is_known = std::isfinite(doubt.expected_error);
+    list.push_back({{"kind", doubt.kind},
+                    {"length", rounded(doubt.length)},
+                    {"error", is_known ? Json(rounded(doubt.expected_error)) : Json(nullptr)},
+                    {"trusted", doubt.is_trusted},
+                    {"way", way}});
+  }
+  return list;
+}
+
+/// A script that hands values to the page: scripts are all that a page opened as a file may read.
+std::string script(const char* name, const Json& value) {
+  return std::string("window.lidarMap = window.lidarMap || {};\nlidarMap.") + name + " = " +
+         json::dumped(value) + ";\n";
+}
+
+std::string marks_script(const WebPage& page) {
+  const Places places(page.datum);
+  Json marks = {{"title", page.title},
+                {"epsg", places.epsg()},
+                {"resolution", page.resolution},
+                {"drives", drives_of(page.marks, places)},
+                {"loops", loops_of(page.marks, places)},
+                {"doubts", doubts_of(page.marks, places)}};
+  return script("marks", marks);
+}
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file = open_for_reading(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string base64(const std::string& bytes) {
+  static const char* const kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(bytes.size() / 3 * 4 + 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8U | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= count ? kLetters[group >> (18U - 6U * k) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+/// The nodes of the tiles from the coarsest on.
+std::vector<fs::path> nodes_by_depth(const fs::path& tiles) {
+  std::vector<std::pair<int, fs::path>> nodes;
+  for (const auto& entry : fs::directory_iterator(tiles / "ept-data")) {
+    nodes.emplace_back(std::stoi(entry.path().stem().string()), entry.path());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  std::vector<fs::path> paths;
+  for (const auto& [depth, path] : nodes) paths.push_back(path);
+  return paths;
+}
+
+/// The metadata and the nodes that fit; a node never comes without its ancestors, since a level
+/// that does not fit ends the list.
+std::string overview_script(const fs::path& tiles) {
+  Json nodes = Json::object();
+  std::uintmax_t bytes = 0;
+  for (const fs::path& path : nodes_by_depth(tiles)) {
+    bytes += fs::file_size(path);
+    if (!nodes.empty() && bytes > kOverviewBytes) break;
+    nodes[path.stem().string()] = base64(content_of(path));
+  }
+  return script("overview",
+                {{"ept", Json::parse(content_of(tiles / "ept.json"))}, {"nodes", nodes}});
+}
+
+}  // namespace
+
+fs::path find_three(const std::vector<fs::path>& places) {
+  for (const fs::path& place : places) {
+    if (fs::exists(place)) return place;
+  }
+  throw InputError("the page in the browser needs three.js, which is not in " +
+                   places.front().string() +
+                   "; install the package libjs-three, or leave out the format web");
+}
+
+const std::vector<fs::path>& three_places() {
+  static const std::vector<fs::path> places = {"/usr/share/javascript/three/build/three.min.js",
+                                               "/usr/share/javascript/three/three.min.js",
+                                               "/usr/share/nodejs/three/build/three.min.js"};
+  return places;
+}
+
+std::string web_obstacle() {
+  try {
+    find_three(three_places());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void add_web_page(const WebPage& page, const fs::path& tiles) {
+  const fs::path viewer = tiles / "viewer";
+  write_text_atomically(viewer / "three.min.js", content_of(find_three(three_places())));
+  write_text_atomically(viewer / "marks.js", marks_script(page));
+  write_text_atomically(viewer / "overview.js", overview_script(tiles));
+  for (const WebAsset& asset : web_assets()) write_text_atomically(tiles / asset.name, asset.text);
+}
+
+}  // namespace lidar_mapping::map

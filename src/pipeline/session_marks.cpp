@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/pipeline/session_marks.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+std::vector<WayPoint> way_of(const session::Session& session, const KeyFramePoses& poses) {
+  std::map<KeyFrameIndex, std::uint32_t> segments;
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    segments[key_frame.index] = key_frame.segment;
+  }
+  std::vector<WayPoint> way;
+  for (const KeyFramePose& pose : poses.poses) {
+    const auto segment = segments.find(pose.index);
+    if (segment == segments.end()) continue;
+    way.push_back({pose.index, segment->second, pose.stamp, pose.T_map_base.translation});
+  }
+  return way;
+}
+
+std::vector<LoopMark> loops_of(const session::Session& session, const std::vector<WayPoint>& way) {
+  const auto is_placed = [&](KeyFrameIndex index) {
+    const auto found = std::lower_bound(
+        way.begin(), way.end(), index,
+        [](const WayPoint& point, KeyFrameIndex wanted) { return point.index < wanted; });
+    return found != way.end() && found->index == index;
+  };
+  const auto verdicts = newest_verdicts(session.verdicts());
+  std::vector<LoopMark> loops;
+  for (const Loop& loop : session.loops()) {
+    if (!is_placed(loop.from) || !is_placed(loop.to)) continue;
+    const auto verdict = verdicts.find({loop.from, loop.to});
+    LoopMark mark{loop.from, loop.to, Verdict::kUndecided, "", loop.source};
+    if (verdict != verdicts.end()) {
+      mark.verdict = verdict->second.verdict;
+      mark.reason = verdict->second.reason;
+    }
+    loops.push_back(mark);
+  }
+  return loops;
+}
+
+/// From where the section begins along the key frames in it to the first one behind it.
+std::vector<Eigen::Vector3d> course_of(const DoubtfulSection& section,
+                                       const std::vector<WayPoint>& way_by_stamp) {
+  std::vector<Eigen::Vector3d> course = {section.position};
+  for (const WayPoint& point : way_by_stamp) {
+    if (point.stamp <= section.begin) continue;
+    course.push_back(point.p_map);
+    if (point.stamp >= section.end) break;
+  }
+  return course;
+}
+
+std::vector<DoubtMark> doubts_of(const session::Session& session, std::vector<WayPoint> way) {
+  const std::filesystem::path file = session.directory() / "doubt.csv";
+  if (!std::filesystem::exists(file)) return {};
+  std::sort(way.begin(), way.end(),
+            [](const WayPoint& a, const WayPoint& b) { return a.stamp < b.stamp; });
+  std::vector<DoubtMark> doubts;
+  for (const DoubtfulSection& section : read_doubt(file).sections) {
+    doubts.push_back({to_string(section.doubt), section.begin, section.end, section.path_length,
+                      section.expected_error, section.is_trusted, course_of(section, way)});
+  }
+  return doubts;
+}
+
+}  // namespace
+
+DriveMarks session_marks(const session::Session& session, const KeyFramePoses& poses) {
+  DriveMarks marks;
+  marks.way = way_of(session, poses);
+  marks.loops = loops_of(session, marks.way);
+  marks.doubts = doubts_of(session, marks.way);
+  return marks;
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
+#include "lidar_mapping/pipeline/session_marks.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::pipeline {
+namespace {
+
+using session::Session;
+using test::TemporaryFolder;
+
+Stamp stamp_of(KeyFrameIndex index) { return from_seconds(1000.0 + index); }
+
+/// Six key frames, 10 m and a second apart, in two segments; the first two close a loop with the
+/// last.
+class SessionMarks : public testing::Test {
+ protected:
+  SessionMarks() : session_(Session::create_in(folder_.path() / "session")) {
+    for (KeyFrameIndex i = 0; i < 6; ++i) {
+      KeyFrame key_frame;
+      key_frame.index = i;
+      key_frame.segment = i / 3;
+      key_frame.stamp = stamp_of(i);
+      session_.add_key_frame(key_frame);
+      Pose pose;
+      pose.translation.x() = 10.0 * i;
+      poses_.poses.push_back({i, key_frame.stamp, pose});
+    }
+    for (const KeyFrameIndex from : {0U, 1U}) {
+      Loop loop;
+      loop.from = from;
+      loop.to = 5;
+      loop.source = LoopSource::kAppearance;
+      session_.add_loop(loop);
+    }
+    LoopVerdict verdict;
+    verdict.to = 5;
+    verdict.verdict = Verdict::kAccepted;
+    session_.add_verdict(verdict);
+    verdict.verdict = Verdict::kRefused;
+    verdict.reason = "it contradicts the others";
+    session_.add_verdict(verdict);
+  }
+
+  void write_doubtful_section(double begin_s, double end_s) {
+    DriveDoubt doubt;
+    DoubtfulSection section;
+    section.doubt = Doubt::kDegenerate;
+    section.begin = from_seconds(1000.0 + begin_s);
+    section.end = from_seconds(1000.0 + end_s);
+    section.position = {10.0 * begin_s, 0.0, 0.0};
+    section.path_length = 12.0;
+    section.expected_error = 0.5;
+    section.is_trusted = false;
+    doubt.begin = stamp_of(0);
+    doubt.sections = {section};
+    write_doubt(doubt, session_.directory() / "doubt.csv");
+  }
+
+  const TemporaryFolder folder_;
+  Session session_;
+  KeyFramePoses poses_;
+};
+
+TEST_F(SessionMarks, HaveTheWayWithItsSegments) {
+  const DriveMarks marks = session_marks(session_, poses_);
+  ASSERT_EQ(marks.way.size(), 6U);
+  EXPECT_EQ(marks.way[2].segment, 0U);
+  EXPECT_EQ(marks.way[3].segment, 1U);
+  EXPECT_EQ(marks.way[3].stamp, stamp_of(3));
+  EXPECT_EQ(marks.way[3].p_map.x(), 30.0);
+  EXPECT_TRUE(marks.doubts.empty()) << "without doubt.csv there is no doubt";
+}
+
+TEST_F(SessionMarks, HaveTheNewestVerdictOfEachLoop) {
+  const DriveMarks marks = session_marks(session_, poses_);
+  ASSERT_EQ(marks.loops.size(), 2U);
+  EXPECT_EQ(marks.loops[0].verdict, Verdict::kRefused);
+  EXPECT_EQ(marks.loops[0].reason, "it contradicts the others");
+  EXPECT_EQ(marks.loops[0].source, LoopSource::kAppearance);
+  EXPECT_EQ(marks.loops[1].verdict, Verdict::kUndecided) << "nobody has judged it yet";
+}
+
+TEST_F(SessionMarks, LeaveOutLoopsOfKeyFramesWithoutAPose) {
+  poses_.poses.erase(poses_.poses.begin());
+  const DriveMarks marks = session_marks(session_, poses_);
+  ASSERT_EQ(marks.loops.size(), 1U);
+  EXPECT_EQ(marks.loops[0].from, 1U);
+}
+
+// A doubtful section may have no key frame at all: then it leads to the next one.
+TEST_F(SessionMarks, FollowTheWayThroughADoubtfulSection) {
+  write_doubtful_section(1.5, 3.5);
+  DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
+  EXPECT_EQ(doubt.kind, "degenerate");
+  EXPECT_FALSE(doubt.is_trusted);
+  EXPECT_EQ(doubt.expected_error, 0.5);
+  ASSERT_EQ(doubt.way_map.size(), 4U);
+  EXPECT_EQ(doubt.way_map[0].x(), 15.0);
+  EXPECT_EQ(doubt.way_map[3].x(), 40.0);
+
+  write_doubtful_section(1.2, 1.4);
+  doubt = session_marks(session_, poses_).doubts.at(0);
+  ASSERT_EQ(doubt.way_map.size(), 2U);
+  EXPECT_EQ(doubt.way_map[1].x(), 20.0);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline
