@@ -13,7 +13,7 @@
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
-#include "point_fields.hpp"
+#include "time_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -38,7 +38,7 @@ std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::stri
 enum class Kind { kUnknown, kReflecting, kScanning };
 
 Kind kind_of(const CloudView& cloud) try {
-  if (find_any_field(cloud, kTimeNames) || find_field(cloud, "ring")) return Kind::kScanning;
+  if (time_fields(cloud) || find_field(cloud, "ring")) return Kind::kScanning;
   return find_any_field(cloud, kIntensityNames) ? Kind::kReflecting : Kind::kUnknown;
 } catch (const InputError&) {
   return Kind::kUnknown;

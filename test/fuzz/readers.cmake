@@ -28,6 +28,7 @@ set(reader_sources
   ${readers_root}/src/ros/recorded_frames.cpp
   ${readers_root}/src/ros/sensor_conversions.cpp
   ${readers_root}/src/ros/sensor_inputs.cpp
+  ${readers_root}/src/ros/time_fields.cpp
   ${readers_root}/src/session/cloud_store.cpp
   ${readers_root}/src/session/database.cpp
   ${readers_root}/src/session/loop_files.cpp
