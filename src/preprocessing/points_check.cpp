@@ -88,10 +88,11 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
     return report;
   }
   const CloudSummary& cloud = points.cloud;
-  report.found += cloud.contents.empty() ? ", fields " + cloud.fields : ", " + cloud.contents;
-  report.found += formatted(", %zu points", cloud.points);
-  if (points.empty < points.topic.count)
-    check_times(points.cloud, points.topic.rate(), config, report);
+  if (cloud.points > 0) {  // at least one was not empty
+    report.found += cloud.contents.empty() ? ", fields " + cloud.fields : ", " + cloud.contents;
+    report.found += formatted(", %zu points", cloud.points);
+    check_times(cloud, points.topic.rate(), config, report);
+  }
   check_stamps(points, config, report);
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",

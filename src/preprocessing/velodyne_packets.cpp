@@ -27,14 +27,15 @@ constexpr std::size_t kChannel = 3;           // bytes: range (two) and reflecti
 constexpr std::size_t kChannelsOfBlock = 32;  // by the user's manual
 constexpr std::size_t kTime = 1200;           // byte of the time in a packet, by the manual
 constexpr unsigned kTurn = 36000;             // counts of azimuth, 0.01 degrees, by the manual
-constexpr std::int64_t kHour = 3'600'000'000;  // us until the sensor's time begins anew, by the manual
+constexpr std::int64_t kHour =
+    3'600'000'000;  // us until the sensor's time begins anew, by the manual
 /// Largest turn from block to block, counts. Chosen: no sensor turns so far, even at 20 Hz.
 constexpr unsigned kLargestStep = 500;
 /// Largest difference of the sensor's clock from the stamps within a scan, s. Chosen: stamps of
 /// packets that wait in a network are late by less; a sensor without a clock differs by more.
 constexpr double kSameClock = 0.05;
-/// From packet to packet of an HDL-64E, s, by its user's manual (1.333 million points a second); used
-/// where a scan has a single packet.
+/// From packet to packet of an HDL-64E, s, by its user's manual (1.333 million points a second);
+/// used where a scan has a single packet.
 constexpr double kHdl64Packet = 288e-6;
 
 // Distances of the two places at which an HDL-64E is calibrated, m, by its user's manual.

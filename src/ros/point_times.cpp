@@ -85,12 +85,18 @@ void read_times(const CloudView& message, const TimeFields& fields, const TimeSc
   });
 }
 
-/// `origin` (in the field's unit) minus the stamp, s. Whole seconds are subtracted first.
-double since_stamp(double origin, double unit, const ros::Time& stamp) {
+/// `base` and `counts` (in the field's unit) minus the stamp, s. Whole seconds are subtracted
+/// first.
+double since_stamp(double base, double counts, double unit, const ros::Time& stamp) {
   const double per_second = std::round(1.0 / unit);
-  const double whole = std::floor(origin / per_second);
-  const double rest = (origin - whole * per_second) * unit;
-  return (whole - static_cast<double>(stamp.sec)) + (rest - 1e-9 * stamp.nsec);
+  double seconds = -static_cast<double>(stamp.sec);
+  double rest = 0.0;
+  for (const double part : {base, counts}) {
+    const double beyond = std::fmod(part, per_second);
+    seconds += std::round((part - beyond) / per_second);
+    rest += beyond;
+  }
+  return seconds + (rest * unit - 1e-9 * stamp.nsec);
 }
 
 }  // namespace
@@ -108,7 +114,7 @@ void decode_times(const CloudView& message, const TimeFields& fields,
   const Unit unit = unit_of(fields, bounds, config);
   const double longest = kMaxSpanRatio * config.scan_period;
   const double first = (base + bounds.min) * unit.seconds;
-  const double from_stamp = since_stamp(base + bounds.min, unit.seconds, message.header.stamp);
+  const double from_stamp = since_stamp(base, bounds.min, unit.seconds, message.header.stamp);
   CloudFormat& format = result.format;
   format.time_field = fields.name();
   format.time_unit = unit.name;
