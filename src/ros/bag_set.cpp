@@ -22,14 +22,16 @@ void extend(std::optional<std::pair<Stamp, Stamp>>& times, const std::vector<Bag
 }  // namespace
 
 BagSet::BagSet(std::vector<std::string> paths) : paths_(std::move(paths)) {
-  std::map<std::pair<std::string, std::string>, std::uint64_t> messages;
+  std::map<std::pair<std::string, std::string>, BagTopic> found;
   for (const std::string& path : paths_) {
     const BagFile bag(path);
     for (const auto& [id, connection] : bag.connections()) {
-      messages[{connection.topic, connection.type}] += connection.messages;
+      BagTopic& topic = found[{connection.topic, connection.type}];
+      if (topic.name.empty()) topic = {connection.topic, connection.type, 0, connection.md5sum};
+      topic.messages += connection.messages;
     }
   }
-  for (const auto& [topic, count] : messages) topics_.push_back({topic.first, topic.second, count});
+  for (const auto& [name, topic] : found) topics_.push_back(topic);
 }
 
 bool BagSet::has(const std::string& topic, const std::vector<std::string>& types) const {

@@ -16,6 +16,7 @@ struct BagTopic {
   std::string name;            ///< as recorded
   std::string type;            ///< package/Name
   std::uint64_t messages = 0;  ///< number by the index
+  std::string md5sum;          ///< of the type, in the first bag that has the topic
 };
 
 /// The bags of one drive, by their indexes. No file stays open. Throws FileError with the remedy if
