@@ -24,9 +24,11 @@ set(reader_sources
   ${readers_root}/src/preprocessing/velodyne_calibration.cpp
   ${readers_root}/src/preprocessing/velodyne_models.cpp
   ${readers_root}/src/preprocessing/velodyne_packets.cpp
+  ${readers_root}/src/ros/cdr_message.cpp
   ${readers_root}/src/ros/cloud_fields.cpp
   ${readers_root}/src/ros/cloud_reader.cpp
   ${readers_root}/src/ros/livox_cloud.cpp
+  ${readers_root}/src/ros/message_layout.cpp
   ${readers_root}/src/ros/moving_frame.cpp
   ${readers_root}/src/ros/odometry_choice.cpp
   ${readers_root}/src/ros/point_cloud1.cpp
@@ -35,6 +37,8 @@ set(reader_sources
   ${readers_root}/src/ros/point_times.cpp
   ${readers_root}/src/ros/recorded_cloud.cpp
   ${readers_root}/src/ros/recorded_frames.cpp
+  ${readers_root}/src/ros/ros2_file.cpp
+  ${readers_root}/src/ros/ros2_types.cpp
   ${readers_root}/src/ros/sensor_conversions.cpp
   ${readers_root}/src/ros/sensor_inputs.cpp
   ${readers_root}/src/ros/time_fields.cpp
