@@ -7,6 +7,7 @@
 
 #include <sensor_msgs/Imu.h>
 
+#include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/silent_topic.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
@@ -70,7 +71,7 @@ void InputWatch::warn_of_overlooked_sensors() {
 /// Runs in roscpp's thread. No message has arrived, so the worker is idle.
 void InputWatch::warn_without_scans() {
   const ros::NodeHandle& node = context_.node;
-  std::string reason = why_silent(node.resolveName("points"), "sensor_msgs/PointCloud2",
+  std::string reason = why_silent(node.resolveName("points"), cloud_type_names(),
                                   published_topics(), own_topics(node), "points");
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";

@@ -9,17 +9,19 @@
 #include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/ros/cloud_reader.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
-#include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
+#include "lidar_mapping/ros/wire_message.hpp"
 
 #include "input_watch.hpp"
 #include "scan_loss_counter.hpp"
@@ -71,6 +73,14 @@ SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
   return message;
 }
 
+/// Keeps the message as long as the cloud. Throws InputError if it is shorter than it says.
+RecordedCloud whole_cloud(const boost::shared_ptr<const WireMessage>& message) try {
+  return read_cloud(message->type, message->bytes(), {message.get(), [message](const void*) {}});
+} catch (const ros::Exception&) {
+  throw InputError("a message of " + message->type + " with " +
+                   std::to_string(message->data.size()) + " bytes is cut off and left out");
+}
+
 }  // namespace
 
 /// Subscribed: points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
@@ -86,6 +96,8 @@ class PreprocessingNode {
  private:
   void advertise();
   void subscribe_sensors();
+  void add_cloud(const boost::shared_ptr<const WireMessage>& message);
+  void warn_of_type(const WireMessage& message);
   void add(const SensorInput<ImuSample>& input);
   void add(const SensorInput<VelocitySample>& input);
   void add(const SensorInput<GnssFix>& input);
@@ -99,12 +111,13 @@ class PreprocessingNode {
   void publish_datum(Stamp stamp);
   void report();
   std::optional<Pose> T_base(const std::string& frame);
-  void validate(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded);
+  void validate(const CloudView& message, DecodedCloud& decoded);
   void report_validation();
 
   Config config_;
   NodeContext& context_;
   SensorFrames frames_;
+  CloudReader reader_;
   std::unique_ptr<preprocessing::InputValidator> input_validator_;  ///< until it has reported
   std::optional<Stamp> first_scan_;
   preprocessing::Preprocessor stage_;
@@ -122,6 +135,7 @@ class PreprocessingNode {
 PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
+      reader_(config.stage),
       input_validator_(std::make_unique<preprocessing::InputValidator>(config.stage)),
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
@@ -158,16 +172,9 @@ void PreprocessingNode::subscribe_sensors() {
                                              check_sentence(*message);
                                              add_if_readable("gnss", *message, read_gnss(*message));
                                            }),
-      subscribe<sensor_msgs::PointCloud2>(
-          context_, "points", scans,
-          [this](const auto& message) {
-            context_.diagnostics.count_input(from_ros(message->header.stamp));
-            DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_cloud_));
-            validate(*message, decoded);
-            publish(stage_.process(std::move(decoded.scan)));
-          },
-          Numbered::kNo,
-          [this](const sensor_msgs::PointCloud2& message) { losses_.add(message.header.seq); })};
+      subscribe<WireMessage>(
+          context_, "points", scans, [this](const auto& message) { add_cloud(message); },
+          Numbered::kNo, [this](const WireMessage& message) { losses_.add(message.sequence()); })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
       context_, "velocity", samples, [this](const auto& message) {
@@ -191,6 +198,26 @@ void PreprocessingNode::follow_transforms() {
           add(SensorInput<VelocitySample>{sample, config_.node.base_frame});
         }
       }));
+}
+
+/// A cloud of any of cloud_types().
+void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& message) {
+  if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message);
+  const RecordedCloud cloud = whole_cloud(message);
+  context_.diagnostics.count_input(from_ros(cloud.message.header.stamp));
+  DecodedCloud decoded = reader_.read_lazily(cloud, std::move(spare_cloud_));
+  validate(cloud.view(), decoded);
+  publish(stage_.process(std::move(decoded.scan)));
+}
+
+void PreprocessingNode::warn_of_type(const WireMessage& message) {
+  const std::string foreign = foreign_definition(message.type, message.md5sum);
+  ROS_ERROR_STREAM_ONCE(context_.node.resolveName("points")
+                        << " holds "
+                        << (foreign.empty()
+                                ? message.type + ", which is not read; "
+                                                 "doc/preprocessing.md has the types that are"
+                                : foreign + "; " + kForeignRemedy));
 }
 
 void PreprocessingNode::add(const SensorInput<ImuSample>& input) {
@@ -237,7 +264,7 @@ std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {
   return frames_.lookup(config_.node.base_frame, frame);
 }
 
-void PreprocessingNode::validate(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded) {
+void PreprocessingNode::validate(const CloudView& message, DecodedCloud& decoded) {
   watch_.mark_scan();
   if (!input_validator_) return;
   decoded.scan.unpack();

@@ -85,6 +85,9 @@ void add_points(Schema& schema) {
       .reals("vehicle_box", &Config::vehicle_box, 6, "m",
              "Points inside are on the vehicle and left out: x, y, z from, x, y, z to, in "
              "base_link; zeros for none.")
+      .text("velodyne_calibration", &Config::velodyne_calibration,
+            "Calibration file of velodyne_pointcloud (YAML) for packets of a Velodyne; without it "
+            "the nominal angles of the model are used, which an HDL-64E does not have.")
       .real("vertical_angle_correction_deg", &Config::vertical_angle_correction_deg, {-5.0, 5.0},
             "deg", "Turns every beam upwards (0.205 for the HDL-64E of KITTI).")
       .choice("downsample_method", &Config::downsample_method,

@@ -8,11 +8,12 @@
 #include <utility>
 
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
+#include "lidar_mapping/ros/cloud_reader.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/moving_frame.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
@@ -57,10 +58,11 @@ class BagInput::Impl {
  public:
   Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
        const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
-      : bags_(paths), config_(config), frames_(base_frame) {
+      : bags_(paths), config_(config), reader_(config), frames_(base_frame) {
     topics_ = ros_border::topics_in(bags_, wanted);
     read_frames();
     choose_base_frame();
+    take_back_moving_clouds();
     if (config.enable_robot_odometry_init_guess) {
       topics_.velocity.clear();
       wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
@@ -114,26 +116,11 @@ class BagInput::Impl {
   }
 
   void read_frames() {
-    add_frames({"/tf_static"}, std::numeric_limits<Stamp>::min(),
-               std::numeric_limits<Stamp>::max());
+    ros_border::add_recorded_frames(bags_, "/tf_static", std::numeric_limits<Stamp>::min(),
+                                    std::numeric_limits<Stamp>::max(), frames_);
     const auto scans = bags_.times_of({topics_.points});
     const Stamp from = scans ? scans->first : 0;
-    add_frames({"/tf"}, from, from + kFramesTime);
-  }
-
-  /// Adds the transforms that were recorded in a time span; damaged messages are ignored.
-  void add_frames(const std::vector<std::string>& topics, Stamp from, Stamp until) {
-    BagStream messages = bags_.messages_of(topics);
-    messages.skip_to(from);
-    for (auto message = messages.next(); message && message->recorded <= until;
-         message = messages.next()) {
-      try {
-        const auto frames = ros_border::read_transforms(*message);
-        if (frames) frames_.add(*frames, message->topic() == "/tf_static");
-      } catch (const ros::Exception&) {
-        continue;
-      }
-    }
+    ros_border::add_recorded_frames(bags_, "/tf", from, from + kFramesTime, frames_);
   }
 
   /// Without a transform to base_link the LiDAR's frame is used as base_link.
@@ -151,11 +138,38 @@ class BagInput::Impl {
     if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
   }
 
+  /// Clouds in a frame in which the vehicle moves are taken back to the vehicle by all of /tf.
+  void take_back_moving_clouds() {
+    const auto cloud = ros_border::first_cloud(bags_, topics_.points);
+    if (!cloud) return;
+    const std::string frame = ros_border::frame_name(cloud->message.header.frame_id);
+    if (!ros_border::vehicle_moves_in(bags_, frames_.base_frame(), frame)) return;
+    ros_border::add_recorded_frames(bags_, "/tf", std::numeric_limits<Stamp>::min(),
+                                    std::numeric_limits<Stamp>::max(), frames_);
+    moving_frame_ = frame;
+    frames_notice_ = "the scans are in '" + frame +
+                     "', in which the vehicle moves: /tf takes them "
+                     "back to '" +
+                     frames_.base_frame() + "'";
+  }
+
+  /// A scan in the moving frame, taken back to where the vehicle was at its stamp.
+  void take_back(preprocessing::RawScan& scan) const {
+    const auto T_base = frames_.T_base(scan.frame_id, scan.stamp);
+    if (!T_base) {
+      throw InputError("/tf does not say where the vehicle was in '" + scan.frame_id +
+                       "' at a scan of " + std::to_string(to_seconds(scan.stamp)) + " s");
+    }
+    scan.unpack();
+    scan.cloud = transformed(scan.cloud, *T_base);
+    scan.frame_id = frames_.base_frame();
+  }
+
   preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp, PointCloud buffer) const {
-    preprocessing::RawScan scan =
-        ros_border::decode_lazily(cloud.view(), cloud.memory, config_, std::move(buffer)).scan;
+    preprocessing::RawScan scan = reader_.read_lazily(cloud, std::move(buffer)).scan;
     scan.stamp = stamp;
     if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
+    if (scan.frame_id == moving_frame_) take_back(scan);
     return scan;
   }
 
@@ -197,11 +211,10 @@ class BagInput::Impl {
 
   std::optional<Input> read(const BagMessage& message) const {
     const ros::Time recorded = ros_border::to_ros(message.recorded);
-    if (message.is<sensor_msgs::PointCloud2>()) {
-      const RecordedCloud cloud = ros_border::read_cloud(message);
+    if (const auto cloud = ros_border::read_cloud(message)) {
       const Stamp stamp =
-          given_or_recorded(ros_border::from_ros(cloud.message.header.stamp), recorded);
-      return pipeline::RecordedScan{stamp, [cloud, stamp, this](PointCloud buffer) {
+          given_or_recorded(ros_border::from_ros(cloud->message.header.stamp), recorded);
+      return pipeline::RecordedScan{stamp, [cloud = *cloud, stamp, this](PointCloud buffer) {
                                       return decoded(cloud, stamp, std::move(buffer));
                                     }};
     }
@@ -215,8 +228,10 @@ class BagInput::Impl {
 
   BagSet bags_;
   preprocessing::PreprocessingConfig config_;
+  ros_border::CloudReader reader_;
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
+  std::string moving_frame_;  ///< of scans that are taken back; empty if there are none
   std::string frames_notice_;
   std::optional<ros_border::TransformOdometry> wheels_;  ///< set if the velocity is read from tf
   std::deque<Input> waiting_;                            ///< further samples of the last message

@@ -10,14 +10,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> bags_in(const fs::path& folder) {
-  std::vector<std::string> bags;
+std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
+  std::vector<std::string> files;
   std::error_code unreadable;  // reported when the folder is opened later
   for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
-    if (entry.is_regular_file() && entry.path().extension() == ".bag") bags.push_back(entry.path());
+    const bool fits = entry.path().extension() == extension;
+    if (entry.is_regular_file() && fits) files.push_back(entry.path());
   }
-  std::sort(bags.begin(), bags.end());
-  return bags;
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The parts of a recording of ROS 2 are numbered: drive_0.db3, drive_1.db3 ... Those that are not
+/// read are named, so that opening them says why.
+std::vector<std::string> bags_in(const fs::path& folder) {
+  for (const char* extension : {".bag", ".db3", ".mcap", ".zstd"}) {
+    std::vector<std::string> files = files_in(folder, extension);
+    if (!files.empty()) return files;
+  }
+  return {};
 }
 
 }  // namespace

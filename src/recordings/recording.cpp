@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
+#include "lidar_mapping/ros/cloud_reader.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 
@@ -52,7 +52,7 @@ class BagRecording {
 
   Scan scan(std::size_t index) const {
     const RecordedCloud cloud = cloud_at(index);
-    preprocessing::RawScan raw = ros_border::decode(cloud.view(), {}).scan;
+    preprocessing::RawScan raw = reader_.read(cloud).scan;
     return {raw.stamp, without_empty_returns(raw.cloud)};
   }
 
@@ -67,9 +67,9 @@ class BagRecording {
   static std::string first_cloud_topic(const std::string& path) {
     const BagSet bags({path});
     for (const BagTopic& topic : bags.topics()) {
-      if (topic.type == "sensor_msgs/PointCloud2" && topic.messages > 0) return topic.name;
+      if (ros_border::is_cloud(topic.type, topic.md5sum) && topic.messages > 0) return topic.name;
     }
-    throw InputError(path + " has no PointCloud2");
+    throw InputError(path + " has no clouds of points");
   }
 
   void add_frames(const std::string& path) {
@@ -95,14 +95,12 @@ class BagRecording {
     message.recorded = place.entry.recorded;
     message.data = bag_.message(content_, place.entry);
     message.memory = content_.bytes;
-    if (!message.is<sensor_msgs::PointCloud2>()) {
-      throw InputError(message.topic() + " holds no PointCloud2");
-    }
     try {
-      return ros_border::read_cloud(message);
+      if (auto cloud = ros_border::read_cloud(message)) return *cloud;
     } catch (const ros::Exception&) {
       bag_.fail("scan " + std::to_string(index) + " is damaged");
     }
+    throw InputError(message.topic() + " holds no clouds of points");
   }
 
   /// Identity where no chain of frames leads to base_link.
@@ -129,6 +127,7 @@ class BagRecording {
     return seen;
   }
 
+  const ros_border::CloudReader reader_{preprocessing::PreprocessingConfig()};
   mutable BagFile bag_;
   FrameTree frames_;
   std::vector<Place> messages_;

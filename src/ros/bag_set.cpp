@@ -9,27 +9,48 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Extends the times by those of the messages of a chunk, which are sorted by time.
-void extend(std::optional<std::pair<Stamp, Stamp>>& times, const std::vector<BagEntry>& entries) {
-  if (entries.empty()) return;
-  const Stamp first = entries.front().recorded;
-  const Stamp last = entries.back().recorded;
+using Times = std::optional<std::pair<Stamp, Stamp>>;
+using Topics = std::map<std::pair<std::string, std::string>, BagTopic>;
+
+template <typename Connections>
+void add(const Connections& connections, Topics& topics) {
+  for (const auto& [id, connection] : connections) {
+    BagTopic& topic = topics[{connection.topic, connection.type}];
+    if (topic.name.empty()) topic = {connection.topic, connection.type, 0, connection.md5sum};
+    topic.messages += connection.messages;
+  }
+}
+
+void extend(Times& times, Stamp first, Stamp last) {
   if (!times) times.emplace(first, last);
   times->first = std::min(times->first, first);
   times->second = std::max(times->second, last);
 }
 
+/// Extends the times by those of the messages of a bag, which are sorted by time in each chunk.
+void extend(Times& times, const BagFile& bag) {
+  for (const BagChunk& chunk : bag.chunks()) {
+    try {
+      const std::vector<BagEntry> entries = bag.entries(chunk);
+      if (!entries.empty()) extend(times, entries.front().recorded, entries.back().recorded);
+    } catch (const FileError&) {
+      // Damage is reported when the messages are read.
+    }
+  }
+}
+
 }  // namespace
 
 BagSet::BagSet(std::vector<std::string> paths) : paths_(std::move(paths)) {
-  std::map<std::pair<std::string, std::string>, std::uint64_t> messages;
+  Topics found;
   for (const std::string& path : paths_) {
-    const BagFile bag(path);
-    for (const auto& [id, connection] : bag.connections()) {
-      messages[{connection.topic, connection.type}] += connection.messages;
+    if (Ros2File::is_one(path)) {
+      add(Ros2File(path).connections(), found);
+    } else {
+      add(BagFile(path).connections(), found);
     }
   }
-  for (const auto& [topic, count] : messages) topics_.push_back({topic.first, topic.second, count});
+  for (const auto& [name, topic] : found) topics_.push_back(topic);
 }
 
 bool BagSet::has(const std::string& topic, const std::vector<std::string>& types) const {
@@ -40,15 +61,12 @@ bool BagSet::has(const std::string& topic, const std::vector<std::string>& types
 
 std::optional<std::pair<Stamp, Stamp>> BagSet::times_of(
     const std::vector<std::string>& topics) const {
-  std::optional<std::pair<Stamp, Stamp>> times;
+  Times times;
   for (const std::string& path : paths_) {
-    const BagFile bag(path, topics);
-    for (const BagChunk& chunk : bag.chunks()) {
-      try {
-        extend(times, bag.entries(chunk));
-      } catch (const FileError&) {
-        // Damage is reported when the messages are read.
-      }
+    if (!Ros2File::is_one(path)) {
+      extend(times, BagFile(path, topics));
+    } else if (const auto of_file = Ros2File(path, topics).times()) {
+      extend(times, of_file->first, of_file->second);
     }
   }
   return times;

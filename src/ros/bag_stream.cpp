@@ -16,14 +16,62 @@ constexpr std::ptrdiff_t kContents = 8;
 
 BagStream::BagStream(const std::vector<std::string>& paths,
                      const std::vector<std::string>& topics) {
-  for (const std::string& path : paths) bags_.push_back({std::make_unique<BagFile>(path, topics)});
+  for (const std::string& path : paths) {
+    if (Ros2File::is_one(path)) {
+      ros2_recordings_.push_back(std::make_unique<Ros2File>(path, topics));
+    } else {
+      bags_.push_back({std::make_unique<BagFile>(path, topics)});
+    }
+  }
 }
 
 std::optional<BagMessage> BagStream::next() {
-  for (auto at = earliest(); at != open_.end(); at = earliest()) {
-    if (auto message = message_at(at)) return message;
+  for (;;) {
+    const auto at = earliest();
+    const auto [recording, time] = earliest_of_ros2();
+    if (at == open_.end() && recording == nullptr) return std::nullopt;
+    const bool is_bag =
+        recording == nullptr || (at != open_.end() && std::get<0>(at->first) <= time);
+    if (auto message = is_bag ? message_at(at) : take_from(*recording)) return message;
   }
-  return std::nullopt;
+}
+
+std::pair<BagStream::Ros2Recording*, Stamp> BagStream::earliest_of_ros2() {
+  std::pair<Ros2Recording*, Stamp> earliest = {nullptr, 0};
+  for (Ros2Recording& recording : ros2_recordings_) {
+    if (!recording) continue;
+    std::optional<Stamp> time;
+    try {
+      time = recording->next_time();
+    } catch (const FileError& error) {
+      add_damage(0, error);
+    }
+    if (!time) {
+      ended_.push_back(std::move(recording));
+    } else if (earliest.first == nullptr || *time < earliest.second) {
+      earliest = {&recording, *time};
+    }
+  }
+  return earliest;
+}
+
+/// Nothing if the message, or the recording behind it, is damaged.
+std::optional<BagMessage> BagStream::take_from(Ros2Recording& recording) {
+  Ros2Message taken;
+  try {
+    taken = recording->next();
+  } catch (const FileError& error) {
+    add_damage(taken.recorded, error);
+    ended_.push_back(std::move(recording));
+  }
+  if (!taken.damage.empty()) add_damage(taken.recorded, FileError(taken.damage));
+  if (!taken.data) return std::nullopt;
+  BagMessage message;
+  message.connection = taken.connection;
+  message.recorded = taken.recorded;
+  message.data = {taken.data->data(), taken.data->size()};
+  message.memory = taken.data;
+  return message;
 }
 
 /// The next message of a chunk; nothing if it, or the whole chunk, is damaged.
@@ -57,6 +105,9 @@ void BagStream::add_damage(Stamp stamp, const FileError& error) {
 void BagStream::skip_to(Stamp stamp) {
   for (auto at = earliest(); at != open_.end() && std::get<0>(at->first) < stamp; at = earliest()) {
     advance(at);
+  }
+  for (Ros2Recording& recording : ros2_recordings_) {
+    if (recording) recording->skip_to(stamp);
   }
 }
 

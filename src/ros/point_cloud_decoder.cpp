@@ -138,9 +138,10 @@ DecodedCloud decode_in_place(const CloudView& message,
     if (intensity != nullptr) read_intensity(message, *intensity, cloud.points);
   }
   const bool wants_times = config.point_times != preprocessing::PointTimes::kNone;
-  const PointField* time = wants_times ? time_field(message) : nullptr;
-  const auto span = read_usual_times(message, time, cloud.times);
-  if (time != nullptr) decode_times(message, *time, config, span, result);
+  const auto times = wants_times ? time_fields(message) : std::nullopt;
+  const bool is_single = times && times->second == nullptr;
+  const auto span = read_usual_times(message, is_single ? times->first : nullptr, cloud.times);
+  if (times) decode_times(message, *times, config, span, result);
   return result;
 }
 

@@ -21,6 +21,8 @@ std::size_t size_of(std::uint8_t datatype) {
     case PointField::FLOAT32:
       return 4;
     case PointField::FLOAT64:
+    case kPclInt64:
+    case kPclUint64:
       return 8;
     default:
       return 0;

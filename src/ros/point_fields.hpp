@@ -12,9 +12,18 @@
 namespace lidar_mapping::ros_border {
 
 // Names that drivers give to the fields of a point beside its coordinates.
-constexpr std::array<const char*, 3> kIntensityNames = {"intensity", "i", "reflectivity"};
-constexpr std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
-                                                   "time_stamp", "offset_time", "time_offset"};
+constexpr std::array<const char*, 4> kIntensityNames = {"intensity", "i", "reflectivity",
+                                                        "intensities"};
+/// In lower case; in a cloud they may be of any case. Times in two fields are found by
+/// time_fields().
+constexpr std::array<const char*, 15> kTimeNames = {
+    "time",         "t",       "timestamp",      "time_stamp", "offset_time",
+    "time_offset",  "ts",      "stamp",          "time_ns",    "t_ns",
+    "timestamp_ns", "time_us", "time_offset_ns", "time_sec",   "stamps"};
+
+// Datatypes of fields of eight bytes, which sensor_msgs lacks, by PCL (pcl/type_traits.h).
+constexpr std::uint8_t kPclInt64 = 9;
+constexpr std::uint8_t kPclUint64 = 10;
 
 /// Bytes of a number of that type; 0 for an unknown one.
 std::size_t size_of(std::uint8_t datatype);
@@ -75,6 +84,10 @@ void with_reader(std::uint8_t datatype, const Body& body) {
       return body(&read<std::int32_t>);
     case sensor_msgs::PointField::UINT32:
       return body(&read<std::uint32_t>);
+    case kPclInt64:
+      return body(&read<std::int64_t>);
+    case kPclUint64:
+      return body(&read<std::uint64_t>);
     case sensor_msgs::PointField::FLOAT32:
       return body([](const std::uint8_t* address) { return read<float>(address); });
     default:

@@ -38,15 +38,12 @@ struct Bounds {
   double max = -std::numeric_limits<double>::infinity();
 };
 
-Bounds bounds_of(const CloudView& message, const PointField& field) {
+Bounds bounds_of(const CloudView& message, const TimeFields& fields, double base) {
   Bounds bounds;
-  with_reader(field.datatype, [&](const auto& number) {
-    for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
-      const auto value = static_cast<double>(number(in + field.offset));
-      if (!std::isfinite(value)) return;
-      bounds.min = value < bounds.min ? value : bounds.min;
-      bounds.max = value > bounds.max ? value : bounds.max;
-    });
+  for_each_time(message, fields, base, [&](double value, std::size_t) {
+    if (!std::isfinite(value)) return;
+    bounds.min = value < bounds.min ? value : bounds.min;
+    bounds.max = value > bounds.max ? value : bounds.max;
   });
   return bounds;
 }
@@ -58,57 +55,68 @@ std::optional<Unit> configured_unit(PointTimeUnit unit) {
 
 /// The unit in which the times span about one turn of the LiDAR; if there is none, the usual one of
 /// the type.
-Unit unit_of(const PointField& field, const Bounds& bounds,
+Unit unit_of(const TimeFields& fields, const Bounds& bounds,
              const preprocessing::PreprocessingConfig& config) {
+  if (fields.is_in_seconds) return kUnits[0];
   if (const auto unit = configured_unit(config.point_time_unit)) return *unit;
   for (const Unit& unit : kUnits) {
     const double ratio = (bounds.max - bounds.min) * unit.seconds / config.scan_period;
     if (ratio > kMinSpanRatio && ratio < kMaxSpanRatio) return unit;
   }
-  const bool counts = size_of(field.datatype) == 4 && field.datatype != PointField::FLOAT32;
+  const std::uint8_t type = fields.first->datatype;
+  const bool counts =
+      size_of(type) >= 4 && type != PointField::FLOAT32 && type != PointField::FLOAT64;
   return counts ? kUnits[3] : kUnits[0];
 }
 
+/// How the counts of the fields become seconds: those from the base are counted from `origin`.
+struct TimeScale {
+  double base;    ///< see time_base()
+  double origin;  ///< of the counts from the base
+  double unit;    ///< s
+  double shift;   ///< of the origin, s
+};
+
 /// Differences from a time near to them, so that absolute nanoseconds keep their digits.
-void read_times(const CloudView& message, const PointField& field, double origin, double unit,
-                double shift, std::vector<float>& times) {
-  with_reader(field.datatype, [&](const auto& number) {
-    for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
-      const double since_origin = static_cast<double>(number(in + field.offset)) - origin;
-      times[i] = static_cast<float>(since_origin * unit + shift);
-    });
+void read_times(const CloudView& message, const TimeFields& fields, const TimeScale& scale,
+                std::vector<float>& times) {
+  for_each_time(message, fields, scale.base, [&](double value, std::size_t i) {
+    times[i] = static_cast<float>((value - scale.origin) * scale.unit + scale.shift);
   });
 }
 
-/// `origin` (in the field's unit) minus the stamp, s. Whole seconds are subtracted first.
-double since_stamp(double origin, double unit, const ros::Time& stamp) {
+/// `base` and `counts` (in the field's unit) minus the stamp, s. Whole seconds are subtracted
+/// first.
+double since_stamp(double base, double counts, double unit, const ros::Time& stamp) {
   const double per_second = std::round(1.0 / unit);
-  const double whole = std::floor(origin / per_second);
-  const double rest = (origin - whole * per_second) * unit;
-  return (whole - static_cast<double>(stamp.sec)) + (rest - 1e-9 * stamp.nsec);
+  double seconds = -static_cast<double>(stamp.sec);
+  double rest = 0.0;
+  for (const double part : {base, counts}) {
+    const double beyond = std::fmod(part, per_second);
+    seconds += std::round((part - beyond) / per_second);
+    rest += beyond;
+  }
+  return seconds + (rest * unit - 1e-9 * stamp.nsec);
 }
 
 }  // namespace
 
-const PointField* time_field(const CloudView& message) {
-  return find_any_field(message, kTimeNames);
-}
-
-void decode_times(const CloudView& message, const PointField& field,
+void decode_times(const CloudView& message, const TimeFields& fields,
                   const preprocessing::PreprocessingConfig& config,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result) {
   std::vector<float>& times = result.scan.cloud.times;
-  const Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, field);
-  if (!(bounds.max > bounds.min)) {  // the driver does not fill the field
+  const double base = time_base(message, fields);
+  const Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, fields, base);
+  if (!(bounds.max > bounds.min)) {  // the driver does not fill the fields
     times.clear();
     return;
   }
-  const Unit unit = unit_of(field, bounds, config);
+  const Unit unit = unit_of(fields, bounds, config);
   const double longest = kMaxSpanRatio * config.scan_period;
-  const double first = bounds.min * unit.seconds;
-  const double from_stamp = since_stamp(bounds.min, unit.seconds, message.header.stamp);
+  const double first = (base + bounds.min) * unit.seconds;
+  const double from_stamp = since_stamp(base, bounds.min, unit.seconds, message.header.stamp);
   CloudFormat& format = result.format;
-  format.time_field = field.name;
+  format.time_field = fields.name();
   format.time_unit = unit.name;
   const bool is_relative = std::abs(first) < longest;
   format.absolute_times = !is_relative && std::abs(from_stamp) < kSameClock;
@@ -124,7 +132,7 @@ void decode_times(const CloudView& message, const PointField& field,
     return;
   }
   times.resize(result.scan.cloud.size());
-  read_times(message, field, bounds.min, unit.seconds, shift, times);
+  read_times(message, fields, {base, bounds.min, unit.seconds, shift}, times);
 }
 
 }  // namespace lidar_mapping::ros_border

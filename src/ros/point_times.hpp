@@ -7,15 +7,14 @@
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 
-namespace lidar_mapping::ros_border {
+#include "time_fields.hpp"
 
-/// The field of the points' times, or null.
-const sensor_msgs::PointField* time_field(const CloudView& message);
+namespace lidar_mapping::ros_border {
 
 /// Converts the points' times to seconds and finds their unit and reference. With the span `read`
 /// scan.cloud.times have the values of the field, else they are read here. There are no times if
-/// the driver does not fill the field.
-void decode_times(const CloudView& message, const sensor_msgs::PointField& field,
+/// the driver does not fill the fields.
+void decode_times(const CloudView& message, const TimeFields& fields,
                   const preprocessing::PreprocessingConfig& config,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result);
 

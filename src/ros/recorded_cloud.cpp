@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
+
+#include "livox_cloud.hpp"
+#include "point_cloud1.hpp"
+#include "velodyne_scan.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -19,12 +28,9 @@ void read_fields(ros::serialization::IStream& stream,
   for (sensor_msgs::PointField& field : fields) stream.next(field);
 }
 
-}  // namespace
-
-RecordedCloud read_cloud(const BagMessage& recorded) {
+RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
   RecordedCloud cloud;
   sensor_msgs::PointCloud2& message = cloud.message;
-  ros::serialization::IStream stream = recorded.stream();
   stream.next(message.header);
   stream.next(message.height);
   stream.next(message.width);
@@ -35,8 +41,37 @@ RecordedCloud read_cloud(const BagMessage& recorded) {
   std::uint32_t length = 0;
   stream.next(length);
   cloud.data = {stream.advance(length), length};
-  cloud.memory = recorded.memory;
   return cloud;
+}
+
+struct Reader {
+  const char* type;
+  RecordedCloud (*read)(ros::serialization::IStream stream);
+};
+constexpr Reader kReaders[] = {{"sensor_msgs/PointCloud2", read_point_cloud2},
+                               {"livox_ros_driver/CustomMsg", read_livox_cloud},
+                               {"livox_ros_driver2/CustomMsg", read_livox_cloud},
+                               {"velodyne_msgs/VelodyneScan", read_velodyne_scan},
+                               {"sensor_msgs/PointCloud", read_point_cloud1}};
+
+}  // namespace
+
+RecordedCloud read_cloud(const std::string& type, ByteRange data,
+                         std::shared_ptr<const void> memory) {
+  for (const Reader& reader : kReaders) {
+    if (type != reader.type) continue;
+    // The library takes its input as uint8_t*, but leaves it as it is.
+    RecordedCloud cloud =
+        reader.read({const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)});
+    if (!cloud.memory) cloud.memory = std::move(memory);
+    return cloud;
+  }
+  throw InputError("no cloud is read from " + type);
+}
+
+std::optional<RecordedCloud> read_cloud(const BagMessage& recorded) {
+  if (!is_cloud(recorded.getDataType(), recorded.connection->md5sum)) return std::nullopt;
+  return read_cloud(recorded.getDataType(), recorded.data, recorded.memory);
 }
 
 }  // namespace lidar_mapping::ros_border

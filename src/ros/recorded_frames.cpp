@@ -29,9 +29,17 @@ void RecordedFrames::add(const tf2_msgs::TFMessage& message, bool is_static) {
 }
 
 std::optional<Pose> RecordedFrames::T_base(const std::string& frame) const {
+  return look_up(frame, ros::Time(0));
+}
+
+std::optional<Pose> RecordedFrames::T_base(const std::string& frame, Stamp stamp) const {
+  return look_up(frame, to_ros(stamp));
+}
+
+std::optional<Pose> RecordedFrames::look_up(const std::string& frame, const ros::Time& time) const {
   if (frame == base_frame_) return Pose::Identity();
   try {
-    return from_message(frames_.lookupTransform(base_frame_, frame, ros::Time(0)).transform);
+    return from_message(frames_.lookupTransform(base_frame_, frame, time).transform);
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

@@ -6,13 +6,15 @@
 #include <optional>
 
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
+#include "lidar_mapping/ros/cloud_reader.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/moving_frame.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
@@ -30,15 +32,12 @@ using preprocessing::Severity;
 
 /// Types of messages with raw data of a LiDAR instead of a cloud, and how to convert them.
 const std::map<std::string, std::string> kRawScans = {
-    {"livox_ros_driver/CustomMsg", "set xfer_format of the driver to 0 when recording"},
-    {"livox_ros_driver2/CustomMsg", "set xfer_format of the driver to 0 when recording"},
-    {"velodyne_msgs/VelodyneScan", "convert them with velodyne_pointcloud's transform node"},
     {"ouster_ros/PacketMsg", "convert them with ouster_ros's replay.launch"},
     {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
     {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
 
 const CheckDiagnostic kNoClouds = {Severity::kFault,
-                                   "no topic of the recording holds sensor_msgs/PointCloud2",
+                                   "no topic of the recording holds clouds of points",
                                    "record the clouds that the LiDAR's driver publishes"};
 
 /// Types of messages with raw data of a GNSS receiver instead of a fix, and the remedy.
@@ -59,6 +58,39 @@ std::optional<CheckDiagnostic> raw_data_in(const BagSet& bags,
   return std::nullopt;
 }
 
+/// The first topic whose messages have the name of a type that is read, and another definition.
+std::optional<CheckDiagnostic> foreign_definitions_in(const BagSet& bags) {
+  for (const BagTopic& topic : bags.topics()) {
+    const std::string problem = foreign_definition(topic.type, topic.md5sum);
+    if (problem.empty()) continue;
+    return CheckDiagnostic{Severity::kFault, topic.name + " holds " + problem, kForeignRemedy};
+  }
+  return std::nullopt;
+}
+
+/// The first topic with clouds none of which can be read.
+std::optional<CheckDiagnostic> unreadable_clouds_in(const BagSet& bags) {
+  for (const BagTopic& topic : bags.topics()) {
+    if (!is_cloud(topic.type, topic.md5sum) || topic.messages == 0) continue;
+    BagStream messages = bags.messages_of({topic.name});
+    messages.next();
+    const std::string reason = messages.damage().reason;
+    return CheckDiagnostic{Severity::kFault,
+                           "no message on " + topic.name + " (" + topic.type +
+                               ") can be read: " + (reason.empty() ? "they are cut off" : reason),
+                           "copy the recording again, or record it anew"};
+  }
+  return std::nullopt;
+}
+
+/// Why there are no clouds at all.
+CheckDiagnostic why_no_clouds(const BagSet& bags) {
+  if (const auto foreign = foreign_definitions_in(bags)) return *foreign;
+  if (const auto unreadable = unreadable_clouds_in(bags)) return *unreadable;
+  const auto raw = raw_data_in(bags, kRawScans, Severity::kFault, "a cloud");
+  return raw ? *raw : kNoClouds;
+}
+
 /// "; other clouds: /a, /b" or nothing.
 std::string other_clouds(const RecordingCheck& recording) {
   std::vector<std::string> names;
@@ -66,6 +98,36 @@ std::string other_clouds(const RecordingCheck& recording) {
     if (topic != recording.topics.points) names.push_back(topic);
   }
   return names.empty() ? "" : "; other clouds: " + joined(names);
+}
+
+/// Types of messages of sensors whose measurements are not used, and why.
+const std::map<std::string, std::string> kOtherSensors = {
+    {"sensor_msgs/LaserScan", "a single plane"},
+    {"sensor_msgs/MultiEchoLaserScan", "a single plane"},
+    {"sensor_msgs/Range", "a single distance"},
+    {"radar_msgs/RadarScan", "a radar"}};
+
+/// "; not used: /scan (sensor_msgs/LaserScan: a single plane)" or nothing.
+std::string unused_topics(const BagSet& bags) {
+  std::vector<std::string> names;
+  for (const BagTopic& topic : bags.topics()) {
+    const auto known = kOtherSensors.find(topic.type);
+    if (known == kOtherSensors.end()) continue;
+    names.push_back(topic.name + " (" + topic.type + ": " + known->second + ")");
+  }
+  return names.empty() ? "" : "; not used: " + joined(names);
+}
+
+/// What is wrong with clouds in a frame in which the vehicle moves; empty if it does not.
+std::optional<CheckDiagnostic> moving_clouds_in(const RecordingCheck& recording) {
+  const auto cloud = first_cloud(*recording.bags, recording.topics.points);
+  if (!cloud) return std::nullopt;
+  const std::string frame = frame_name(cloud->message.header.frame_id);
+  if (!vehicle_moves_in(*recording.bags, recording.base_frame, frame)) return std::nullopt;
+  return CheckDiagnostic{
+      Severity::kWarning,
+      "the clouds are in '" + frame + "', a frame in which '" + recording.base_frame + "' moves",
+      "map_bag takes them back by /tf, with its errors; record the clouds of the driver"};
 }
 
 /// End of the checked part.
@@ -80,11 +142,11 @@ class RecordingValidator {
  public:
   RecordingValidator(const RecordingCheck& recording,
                      const preprocessing::PreprocessingConfig& config)
-      : config_(config), input_validator_(config), frames_(recording.base_frame) {}
+      : reader_(config), input_validator_(config), frames_(recording.base_frame) {}
 
   void add(const BagMessage& message) try {
-    if (message.is<sensor_msgs::PointCloud2>()) {
-      add(read_cloud(message), message.recorded);
+    if (const auto cloud = read_cloud(message)) {
+      add(*cloud, message.recorded);
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       input_validator_.add_imu(from_message(*imu), imu->header.frame_id);
     } else if (const auto velocity = read_velocity(message)) {
@@ -131,15 +193,14 @@ class RecordingValidator {
 
  private:
   void add(const RecordedCloud& cloud, Stamp delivery) try {
-    const CloudView view = cloud.view();
-    preprocessing::CloudSummary summary = summary_of(view, decode(view, config_));
+    preprocessing::CloudSummary summary = summary_of(cloud.view(), reader_.read(cloud));
     summary.delay = to_seconds(delivery - summary.stamp);
     input_validator_.add_scan(summary);
   } catch (const InputError& error) {
     if (unreadable_++ == 0) problem_ = error.what();
   }
 
-  preprocessing::PreprocessingConfig config_;
+  CloudReader reader_;
   preprocessing::InputValidator input_validator_;
   RecordedFrames frames_;
   std::size_t unreadable_ = 0;
@@ -165,11 +226,11 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   }
   validator.add(messages.damage());
   std::vector<InputReport> reports = validator.reports();
-  reports.front().found += other_clouds(recording);
-  if (t.points.empty()) {
-    const auto raw = raw_data_in(*recording.bags, kRawScans, Severity::kFault, "PointCloud2");
-    reports.front().diagnostics = {raw ? *raw : kNoClouds};
+  reports.front().found += other_clouds(recording) + unused_topics(*recording.bags);
+  if (const auto moving = moving_clouds_in(recording)) {
+    reports.front().diagnostics.push_back(*moving);
   }
+  if (t.points.empty()) reports.front().diagnostics = {why_no_clouds(*recording.bags)};
   if (t.gnss.empty()) {
     const auto raw = raw_data_in(*recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");
     if (raw) reports.back().diagnostics.push_back(*raw);

@@ -9,25 +9,32 @@
 
 namespace lidar_mapping::ros_border {
 
-std::string why_silent(const std::string& topic, const std::string& type,
+namespace {
+
+bool contains(const std::vector<std::string>& types, const std::string& type) {
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
+
+}  // namespace
+
+std::string why_silent(const std::string& topic, const std::vector<std::string>& types,
                        const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own, const std::string& remedy) {
+  const std::string names = joined(types, " or ");
   std::vector<std::string> others;
   for (const PublishedTopic& other : published) {
-    if (other.name == topic && other.type == type) {
-      return "nothing has come on " + topic + " yet, which is published";
-    }
+    const bool fits = contains(types, other.type);
     if (other.name == topic) {
-      return topic + " is published as " + other.type + ", not as " + type;
+      return fits ? "nothing has come on " + topic + " yet, which is published"
+                  : topic + " is published as " + other.type + ", not as " + names;
     }
-    if (other.type != type || own.count(other.name) > 0) continue;
-    others.push_back(other.name);
+    if (fits && own.count(other.name) == 0) others.push_back(other.name);
   }
   const std::string problem = "nobody publishes " + topic;
   if (others.empty()) {
-    return problem + ", nor another topic of " + type + ": play a bag or start the driver";
+    return problem + ", nor another topic of " + names + ": play a bag or start the driver";
   }
-  return problem + "; topics of " + type + " that are published: " + joined(others) +
+  return problem + "; topics of " + names + " that are published: " + joined(others) +
          " (choose one with " + remedy + ":=TOPIC)";
 }
 

@@ -6,24 +6,19 @@
 #include <optional>
 #include <tuple>
 
-#include <sensor_msgs/PointCloud2.h>
-
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
-#include "point_fields.hpp"
+#include "odometry_choice.hpp"
+#include "own_output.hpp"
+#include "time_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
-
-bool is_own_output(const std::string& topic) {
-  const std::vector<std::string>& own = own_outputs();
-  const std::string name = topic.substr(topic.find_last_of('/') + 1);
-  return std::find(own.begin(), own.end(), name) != own.end();
-}
 
 /// Number of messages of each topic of that type.
 std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::string& type) {
@@ -35,13 +30,25 @@ std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::stri
 }
 
 /// Kind of sensor by the cloud's fields; a larger value is more likely a LiDAR.
-enum class Kind { kUnknown, kReflecting, kScanning };
+enum class Kind { kUnknown, kReflecting, kScanning, kTimed };
 
-Kind kind_of(const CloudView& cloud) try {
-  if (find_any_field(cloud, kTimeNames) || find_field(cloud, "ring")) return Kind::kScanning;
+Kind kind_of(const RecordedCloud& recorded) try {
+  if (recorded.holds_packets) return Kind::kTimed;
+  const CloudView cloud = recorded.view();
+  if (time_fields(cloud)) return Kind::kTimed;
+  if (find_field(cloud, "ring") != nullptr) return Kind::kScanning;
   return find_any_field(cloud, kIntensityNames) ? Kind::kReflecting : Kind::kUnknown;
 } catch (const InputError&) {
   return Kind::kUnknown;
+}
+
+/// Throws InputError if the messages of a requested topic have another definition than is read.
+void check_definition(const std::string& name, const BagSet& bags) {
+  for (const BagTopic& topic : bags.topics()) {
+    if (topic.name != name) continue;
+    const std::string problem = foreign_definition(topic.type, topic.md5sum);
+    if (!problem.empty()) throw InputError(name + " holds " + problem + "; " + kForeignRemedy);
+  }
 }
 
 /// Checks that a requested topic exists; without a request takes the usual topic if it exists.
@@ -68,9 +75,8 @@ const std::vector<std::string>& own_outputs() {
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic) {
   BagStream messages = bags.messages_of({topic});
   while (const auto message = messages.next()) {
-    if (!message->is<sensor_msgs::PointCloud2>()) continue;
     try {
-      return read_cloud(*message);
+      if (auto cloud = read_cloud(*message)) return cloud;
     } catch (const ros::Exception&) {
       continue;
     }
@@ -88,10 +94,11 @@ std::string busiest_topic(const BagSet& bags, const std::string& type) {
 std::vector<std::string> cloud_topics(const BagSet& bags) {
   using Candidate = std::tuple<Kind, std::size_t, std::string>;
   std::vector<Candidate> candidates;
-  for (const auto& [topic, size] : topics_of(bags, "sensor_msgs/PointCloud2")) {
-    const auto cloud = first_cloud(bags, topic);
+  for (const BagTopic& topic : bags.topics()) {
+    if (!is_cloud(topic.type, topic.md5sum) || is_own_output(topic.name)) continue;
+    const auto cloud = first_cloud(bags, topic.name);
     if (!cloud) continue;
-    candidates.emplace_back(kind_of(cloud->view()), size * cloud->data.size, topic);
+    candidates.emplace_back(kind_of(*cloud), topic.messages * cloud->data.size, topic.name);
   }
   std::sort(candidates.rbegin(), candidates.rend());
   std::vector<std::string> topics;
@@ -100,7 +107,8 @@ std::vector<std::string> cloud_topics(const BagSet& bags) {
 }
 
 SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
-  resolve_topic(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
+  resolve_topic(wanted.points, "/kitti/velo/pointcloud", cloud_type_names(), bags);
+  check_definition(wanted.points, bags);
   resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
   resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
   resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
@@ -111,6 +119,7 @@ SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
   };
   fill(wanted.imu, "sensor_msgs/Imu");
   fill(wanted.velocity, velocity_types().front());
+  if (wanted.velocity.empty()) wanted.velocity = odometry_with_twist(bags);
   for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
   return wanted;
 }

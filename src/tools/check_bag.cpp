@@ -27,7 +27,9 @@ struct Options {
 };
 
 void add_arguments(CLI::App& app, Options& options) {
-  app.add_option("bags", options.bags, "bags of one drive, or a folder of them")->required();
+  app.add_option("bags", options.bags,
+                 "bags of one drive (ROS 1, or .db3 of ROS 2), or a folder of them")
+      ->required();
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) + "; the parameters to judge by");
   app.add_option("--base-frame", options.base_frame, "frame of the vehicle")->capture_default_str();

@@ -22,6 +22,8 @@
 #include "lidar_mapping/session/session.hpp"
 
 #include "../ros/cloud_builder.hpp"
+#include "cloud_forms.hpp"
+#include "ros2_writer.hpp"
 
 namespace lidar_mapping::test {
 
@@ -154,6 +156,84 @@ void write_bag_of_other_types(const fs::path& path) {
     bag.write("/points", now, cloud(now));
   }
   bag.close();
+}
+
+namespace {
+
+VelodyneScanMessage velodyne_scan(const ros::Time& now) {
+  VelodyneScanMessage scan;
+  scan.header.stamp = now;
+  scan.header.frame_id = "lidar";
+  scan.packets.resize(3);
+  for (std::size_t p = 0; p < scan.packets.size(); ++p) {
+    const auto microseconds = static_cast<std::uint32_t>(1327 * p);
+    scan.packets[p].stamp = now + ros::Duration(1e-6 * microseconds);
+    for (std::size_t b = 0; b < 12; ++b) {
+      put_block(scan.packets[p].data, b, static_cast<std::uint16_t>(40 * (12 * p + b)),
+                [](std::size_t channel) {
+                  return VelodyneReturn{static_cast<std::uint16_t>(2000 + channel), 9};
+                });
+    }
+    put_end(scan.packets[p].data, microseconds, kStrongest, kIsVlp16);
+  }
+  return scan;
+}
+
+sensor_msgs::PointCloud2 timed_cloud(const ros::Time& now) {
+  std_msgs::Header header;
+  header.stamp = now;
+  header.frame_id = "lidar";
+  std::vector<TimedPoint> timed;
+  for (const Point& p : points())
+    timed.push_back({p.x, p.y, p.z, p.intensity, 0.001F * p.intensity});
+  return plain_cloud(header, timed);
+}
+
+}  // namespace
+
+void write_bag_of_driver(const fs::path& path, const std::string& driver) {
+  rosbag::Bag bag(path.string(), rosbag::bagmode::Write);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const ros::Time now(100 + i / 10, i % 10 * 100'000'000);
+    const sensor_msgs::PointCloud2 cloud = timed_cloud(now);
+    if (driver == "livox") bag.write("/points", now, as_livox<LivoxDriver::kTwo>(cloud));
+    if (driver == "velodyne") bag.write("/points", now, velodyne_scan(now));
+    if (driver == "point_cloud1") bag.write("/points", now, as_point_cloud1(cloud));
+    if (driver == "split_times") bag.write("/points", now, with_split_times(cloud));
+  }
+  bag.close();
+}
+
+void write_ros2_recording(const fs::path& path) {
+  Ros2Writer out(path);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const ros::Time now(100 + i / 10, i % 10 * 100'000'000);
+    tf2_msgs::TFMessage frames;
+    frames.transforms.resize(1);
+    frames.transforms[0].header.stamp = now;
+    frames.transforms[0].header.frame_id = "base_link";
+    frames.transforms[0].child_frame_id = "lidar";
+    frames.transforms[0].transform.rotation.w = 1.0;
+    out.add("/tf", now, frames);
+    sensor_msgs::Imu imu;
+    imu.header.stamp = now;
+    imu.header.frame_id = "lidar";
+    imu.linear_acceleration.z = 9.81;
+    imu.orientation.w = 1.0;
+    out.add("/imu", now, imu);
+    out.add("/points", now, timed_cloud(now));
+  }
+}
+
+void write_velodyne_calibration(const fs::path& path) {
+  std::ofstream file(path);
+  file << "num_lasers: 16\ndistance_resolution: 0.002\nlasers:\n";
+  for (int id = 0; id < 16; ++id) {
+    file << "- {laser_id: " << id << ", rot_correction: 0.01, vert_correction: " << 0.03 * id - 0.2
+         << ", dist_correction: 0.1, dist_correction_x: 0.12, dist_correction_y: 0.11, "
+            "two_pt_correction_available: true, vert_offset_correction: 0.02, "
+            "horiz_offset_correction: 0.026, focal_distance: 12, focal_slope: 1.4}\n";
+  }
 }
 
 void write_session(const fs::path& folder) {

@@ -50,6 +50,7 @@ void read_all(pipeline::InputSource& source) {
       try {
         preprocessing::RawScan raw = scan->decode({});
         raw.unpack();
+        require(raw.cloud.times.empty() || raw.cloud.times.size() == raw.cloud.size(), "times");
       } catch (const InputError&) {
         continue;  // the stage drops it
       }
@@ -67,6 +68,34 @@ void read_bag(const fs::path& path) {
 Kind bag(const std::string& name, CompressionType compression) {
   return {name, [compression](const fs::path& folder) { write_bag(folder / "a.bag", compression); },
           [](const fs::path& folder) { read_bag(folder / "a.bag"); }};
+}
+
+Kind bag_of(const std::string& driver) {
+  return {"bag_" + driver,
+          [driver](const fs::path& folder) { write_bag_of_driver(folder / "a.bag", driver); },
+          [](const fs::path& folder) { read_bag(folder / "a.bag"); }};
+}
+
+/// Packets with the calibration of their sensor.
+Kind velodyne_calibration() {
+  return {"velodyne_calibration",
+          [](const fs::path& folder) {
+            write_velodyne_calibration(folder / "lasers.yaml");
+            write_bag_of_driver(folder / "a.bag", "velodyne");
+          },
+          [](const fs::path& folder) {
+            preprocessing::PreprocessingConfig config;
+            config.velodyne_calibration = folder / "lasers.yaml";
+            recordings::BagInput input({folder / "a.bag"}, {}, "base_link", config);
+            read_all(input);
+          },
+          {},
+          "lasers.yaml"};
+}
+
+Kind ros2() {
+  return {"ros2", [](const fs::path& folder) { write_ros2_recording(folder / "a.db3"); },
+          [](const fs::path& folder) { read_bag(folder / "a.db3"); }};
 }
 
 bool is_sound(const Pose& pose) {
@@ -271,6 +300,12 @@ std::vector<Kind> kinds() {
           {"bag_other_types",
            [](const fs::path& folder) { write_bag_of_other_types(folder / "a.bag"); },
            [](const fs::path& folder) { read_bag(folder / "a.bag"); }},
+          bag_of("livox"),
+          bag_of("velodyne"),
+          bag_of("point_cloud1"),
+          bag_of("split_times"),
+          velodyne_calibration(),
+          ros2(),
           {"session", session, read},
           {"session_cells", session, read, spoil_session, "session.db"},
           pcd("ascii", false),

@@ -21,13 +21,28 @@ set(reader_sources
   ${readers_root}/src/ros/bag_file.cpp
   ${readers_root}/src/ros/bag_set.cpp
   ${readers_root}/src/ros/bag_stream.cpp
+  ${readers_root}/src/preprocessing/packets/velodyne_calibration.cpp
+  ${readers_root}/src/preprocessing/packets/velodyne_models.cpp
+  ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp
+  ${readers_root}/src/ros/cdr_message.cpp
+  ${readers_root}/src/ros/cloud_fields.cpp
+  ${readers_root}/src/ros/cloud_reader.cpp
+  ${readers_root}/src/ros/livox_cloud.cpp
+  ${readers_root}/src/ros/message_layout.cpp
+  ${readers_root}/src/ros/moving_frame.cpp
+  ${readers_root}/src/ros/odometry_choice.cpp
+  ${readers_root}/src/ros/point_cloud1.cpp
   ${readers_root}/src/ros/point_cloud_decoder.cpp
   ${readers_root}/src/ros/point_fields.cpp
   ${readers_root}/src/ros/point_times.cpp
   ${readers_root}/src/ros/recorded_cloud.cpp
   ${readers_root}/src/ros/recorded_frames.cpp
+  ${readers_root}/src/ros/ros2_file.cpp
+  ${readers_root}/src/ros/ros2_types.cpp
   ${readers_root}/src/ros/sensor_conversions.cpp
   ${readers_root}/src/ros/sensor_inputs.cpp
+  ${readers_root}/src/ros/time_fields.cpp
+  ${readers_root}/src/ros/velodyne_scan.cpp
   ${readers_root}/src/session/cloud_store.cpp
   ${readers_root}/src/session/database.cpp
   ${readers_root}/src/session/loop_files.cpp

@@ -20,8 +20,10 @@
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
+#include "driver_messages.hpp"
 #include "listener.hpp"
 #include "node_process.hpp"
+#include "velodyne_encoder.hpp"
 #include "yard.hpp"
 
 namespace lidar_mapping::test {
@@ -118,6 +120,78 @@ TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   EXPECT_EQ(from_ros(synced_imu_.messages.back().header.stamp), stamp_of(9));
   EXPECT_EQ(from_ros(synced_gnss_.messages.back().header.stamp), stamp_of(9));
   EXPECT_TRUE(node_->is_running());
+}
+
+/// A node of its own, whose points come from a driver's type.
+template <typename Message>
+class NodeWithDriver {
+ public:
+  NodeWithDriver()
+      : node_("preprocessing_node", {"_max_latency:=0.1"}),
+        clouds_(connected_publisher<Message>("points")) {
+    EXPECT_TRUE(wait_until([] { return is_connected("points") && is_connected("synced_cloud"); }));
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "base_link";
+    transform.child_frame_id = "lidar";
+    transform.transform.rotation.w = 1.0;
+    transforms_.sendTransform(transform);
+  }
+  void send(const Message& message) { clouds_.publish(message); }
+  Listener<sensor_msgs::PointCloud2>& synced() { return synced_; }
+
+ private:
+  NodeProcess node_;
+  ros::Publisher clouds_;
+  tf2_ros::StaticTransformBroadcaster transforms_;
+  Listener<sensor_msgs::PointCloud2> synced_{"synced_cloud"};
+};
+
+TEST(PreprocessingNodeWithDriver, ReadsLivoxCustomMsg) {
+  using Livox = LivoxMessage<LivoxDriver::kTwo>;
+  NodeWithDriver<Livox> node;
+  for (int step = 0; step < 3; ++step) {
+    Livox message;
+    message.header.stamp = to_ros(stamp_of(step));
+    message.header.frame_id = "lidar";
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      message.points.push_back({i * 500'000U, 5.0F, 0.01F * static_cast<float>(i), 1.0F, 77, 0, 0});
+    }
+    node.send(message);
+  }
+  ASSERT_TRUE(node.synced().wait_for(3));
+  const PointCloud cloud = ros_border::from_message(node.synced().messages[1]);
+  ASSERT_EQ(cloud.size(), 200U);
+  EXPECT_EQ(cloud.points[100].x, 5.0F);
+  EXPECT_EQ(cloud.points[100].intensity, 77.0F);
+  EXPECT_NEAR(cloud.times[100], 0.05, 1e-6);
+}
+
+TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAVelodyne) {
+  NodeWithDriver<VelodyneScanMessage> node;
+  for (int step = 0; step < 3; ++step) {
+    VelodyneScanMessage message;
+    message.header.stamp = to_ros(stamp_of(step));
+    message.header.frame_id = "lidar";
+    message.packets.resize(75);
+    for (std::size_t p = 0; p < message.packets.size(); ++p) {
+      const auto microseconds = static_cast<std::uint32_t>(1333 * p);
+      message.packets[p].stamp = message.header.stamp + ros::Duration(1e-6 * microseconds);
+      for (std::size_t b = 0; b < 12; ++b) {
+        put_block(message.packets[p].data, b, static_cast<std::uint16_t>(40 * (12 * p + b)),
+                  [](std::size_t) {
+                    return VelodyneReturn{2500, 9};
+                  });
+      }
+      put_end(message.packets[p].data, microseconds, kStrongest, kIsVlp16);
+    }
+    node.send(message);
+  }
+  ASSERT_TRUE(node.synced().wait_for(3));
+  const PointCloud cloud = ros_border::from_message(node.synced().messages[1]);
+  ASSERT_EQ(cloud.size(), 75U * 12U * 32U);
+  EXPECT_NEAR(cloud.points[7000].position().norm(), 5.0, 1e-4);
+  ASSERT_TRUE(cloud.has_times());
+  EXPECT_NEAR(cloud.times.back() - cloud.times.front(), 0.1, 2e-3);
 }
 
 /// The master of this test, which does not answer as long as this object lives.

@@ -128,6 +128,116 @@ TEST(PointCloudDecoder, ReadsAbsoluteTimesInAnyUnit) {  // A float cannot hold t
   }
 }
 
+/// x y z and two fields with the parts of a time.
+PointCloud2 cloud_of_two_times(const std::string& first, const std::string& second,
+                               std::uint8_t type, const ros::Time& stamp) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {second, PointField::UINT32, 12},
+                             {first, type, 16}},
+                            24, kCount, stamp);
+  put_positions(message);
+  return message;
+}
+
+/// Of a scan that begins 20 ms before the stamp, in a second that ends during the scan.
+TEST(PointCloudDecoder, AddsSecondsAndWhatIsBeyondThem) {
+  const ros::Time stamp(1673400677, 990000000);
+  const struct {
+    const char* first;
+    const char* second;
+    std::uint32_t unit_ns;
+  } kNames[] = {{"time_sec", "time_nsec", 1},       {"sec", "nanosec", 1},
+                {"timestamp_s", "timestamp_ns", 1}, {"timeSecond", "timeNanosecond", 1},
+                {"t_sec", "t_usec", 1000},          {"seconds", "microseconds", 1000}};
+  for (const auto& names : kNames) {
+    for (const std::uint8_t type : {PointField::UINT32, PointField::FLOAT64}) {
+      auto message = cloud_of_two_times(names.first, names.second, type, stamp);
+      for (std::size_t i = 0; i < kCount; ++i) {
+        const auto time = static_cast<std::uint64_t>(
+            std::llround(1e9 * (0.97 + kPeriod * fraction(i))) + 1673400677'000000000LL);
+        const auto sec = static_cast<std::uint32_t>(time / 1'000'000'000);
+        type == PointField::UINT32 ? put(message, i, 16, sec)
+                                   : put(message, i, 16, double{1.0} * sec);
+        put(message, i, 12, static_cast<std::uint32_t>(time % 1'000'000'000 / names.unit_ns));
+      }
+      const DecodedCloud decoded = decode(message, {});
+      expect_points(
+          decoded, [](std::size_t i) { return kPeriod * fraction(i) - 0.02; }, 1.1e-6);
+      EXPECT_TRUE(decoded.scan.times_are_absolute) << names.first;
+      EXPECT_EQ(decoded.format.time_field,
+                std::string(names.first) + " + " + std::string(names.second));
+      EXPECT_EQ(decoded.format.time_unit, "s");
+    }
+  }
+}
+
+TEST(PointCloudDecoder, AddsTheHalvesOfALongCount) {
+  const ros::Time stamp(1673400677, 700635123);
+  for (const auto& [high, low] :
+       {std::pair{"timestamp_h", "timestamp_l"}, std::pair{"time_high", "time_low"}}) {
+    auto message = cloud_of_two_times(high, low, PointField::UINT32, stamp);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const auto time = static_cast<std::uint64_t>(1673400677'700635123LL +
+                                                   std::llround(1e9 * kPeriod * fraction(i)));
+      put(message, i, 16, static_cast<std::uint32_t>(time >> 32U));
+      put(message, i, 12, static_cast<std::uint32_t>(time & 0xFFFFFFFFU));
+    }
+    const DecodedCloud decoded = decode(message, {});
+    expect_points(
+        decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+    EXPECT_EQ(decoded.format.time_unit, "ns");
+    EXPECT_TRUE(decoded.scan.times_are_absolute);
+  }
+}
+
+/// As pcl::toROSMsg() writes fields of type uint64_t and int64_t.
+TEST(PointCloudDecoder, ReadsCountsOfEightBytes) {
+  constexpr std::uint8_t kInt64 = 9, kUint64 = 10;
+  for (const std::uint8_t type : {kInt64, kUint64}) {
+    auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                               {"y", PointField::FLOAT32, 4},
+                               {"z", PointField::FLOAT32, 8},
+                               {"TimeStamp", type, 16}},
+                              24, kCount, ros::Time(1673400677, 0));
+    put_positions(message);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      put(message, i, 16, std::int64_t{1673400677'000000000} + std::llround(1e8 * fraction(i)));
+    }
+    const DecodedCloud decoded = decode(message, {});
+    expect_points(
+        decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+    EXPECT_EQ(decoded.format.time_unit, "ns");
+    EXPECT_EQ(decoded.format.time_field, "TimeStamp");
+  }
+}
+
+TEST(PointCloudDecoder, ReadsTimesUnderOtherNames) {
+  for (const char* name : {"ts", "TIME", "time_offset_ns", "t_ns", "timestamp_ns", "stamp"}) {
+    auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                               {"y", PointField::FLOAT32, 4},
+                               {"z", PointField::FLOAT32, 8},
+                               {name, PointField::UINT32, 12}},
+                              16, kCount);
+    put_positions(message);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      put(message, i, 12, static_cast<std::uint32_t>(std::lround(1e8 * fraction(i))));
+    }
+    expect_points(
+        decode(message, {}), [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+  }
+}
+
+TEST(PointCloudDecoder, IgnoresHalvesThatNobodyFilledAndNumbersThatAreNone) {
+  auto message = cloud_of_two_times("time_sec", "time_nsec", PointField::FLOAT64, ros::Time(5, 0));
+  EXPECT_FALSE(decode(message, {}).scan.cloud.has_times());
+  put(message, 0, 16, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(decode(message, {}).scan.cloud.has_times());
+  message.fields.back().offset = 20;  // its end is outside of the point
+  EXPECT_THROW(decode(message, {}), InputError);
+}
+
 /// x y z intensity time, with points of `step` bytes.
 PointCloud2 plain_cloud(std::uint32_t step) {
   auto message = cloud_with({{"x", PointField::FLOAT32, 0},

@@ -55,15 +55,16 @@ class Fuzz {
   }
 
   sensor_msgs::PointCloud2 cloud() {
-    static const char* const kNames[] = {"x",    "y", "z",         "intensity", "ring",
-                                         "time", "t", "timestamp", "i",         "offset_time"};
+    static const char* const kNames[] = {"x",    "y",           "z",        "intensity",
+                                         "ring", "time",        "t",        "timestamp",
+                                         "i",    "offset_time", "time_sec", "time_nsec"};
     std::vector<test::FieldLayout> fields;
     std::uint32_t offset = 0;
     const std::uint32_t count = 3 + below(6);
     for (std::uint32_t f = 0; f < count; ++f) {
       const bool plain = f < 3 && !chance(30);
-      fields.push_back({kNames[plain ? f : below(10)],
-                        static_cast<std::uint8_t>(plain ? 7 : below(chance(20) ? 256 : 9)),
+      fields.push_back({kNames[plain ? f : below(12)],
+                        static_cast<std::uint8_t>(plain ? 7 : below(chance(20) ? 256 : 11)),
                         chance(40) ? static_cast<std::uint32_t>(engine_()) : offset});
       offset += plain ? 4 : 1 + below(8);
     }

@@ -9,7 +9,7 @@ namespace {
 const std::string kType = "sensor_msgs/Imu";
 
 std::string why(const std::vector<PublishedTopic>& published) {
-  return why_silent("/imu", kType, published, {"/synced_imu"}, "imu");
+  return why_silent("/imu", {kType}, published, {"/synced_imu"}, "imu");
 }
 
 TEST(WhySilent, NamesTopicsOfTheSameTypeButNotOurOwn) {
@@ -32,6 +32,15 @@ TEST(WhySilent, TellsAPublisherThatIsSilentFromOneOfAnotherType) {
             "nothing has come on /imu yet, which is published");
   EXPECT_EQ(why({{"/imu", "std_msgs/String"}}),
             "/imu is published as std_msgs/String, not as sensor_msgs/Imu");
+}
+
+TEST(WhySilent, TakesEachOfTheTypes) {
+  const std::vector<std::string> types = {"a/A", "b/B"};
+  EXPECT_EQ(why_silent("/points", types, {{"/other", "b/B"}, {"/third", "c/C"}}, {}, "points"),
+            "nobody publishes /points; topics of a/A or b/B that are published: /other (choose one "
+            "with points:=TOPIC)");
+  EXPECT_EQ(why_silent("/points", types, {{"/points", "b/B"}}, {}, "points"),
+            "nothing has come on /points yet, which is published");
 }
 
 }  // namespace

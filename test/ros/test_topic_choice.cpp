@@ -55,8 +55,9 @@ TEST_F(TopicChoice, TakesCloudsForALidarsByTheirFieldsThenByTheirSize) {
   record("/registered", cloud({"intensity"}, 900), 10);
   record("/rear/points", cloud({"intensity", "ring"}, 300), 10);
   record("/front/points", cloud({"intensity", "time"}, 1000), 10);
-  const std::vector<std::string> expected = {"/front/points", "/rear/points", "/registered",
-                                             "/radar", "/depth/points"};
+  record("/roof/points", cloud({"intensity", "ring"}, 20000), 10);
+  const std::vector<std::string> expected = {"/front/points", "/roof/points", "/rear/points",
+                                             "/registered",   "/radar",       "/depth/points"};
   EXPECT_EQ(cloud_topics(recorded()), expected);
   EXPECT_EQ(topics_in(recorded()).points, "/front/points");
 }

@@ -16,14 +16,16 @@ namespace lidar_mapping::preprocessing {
 
 /// Format of the message of a cloud.
 struct CloudFormat {
-  std::string fields;           ///< "x y z intensity ring time", in the message's order
-  std::string intensity_field;  ///< empty if there is none
-  std::string time_field;       ///< empty if there is none
-  std::string time_unit;        ///< "s", "ms", "us" or "ns"; empty if there are no times
-  bool absolute_times = false;  ///< times of the clock of the stamps
-  bool foreign_clock = false;   ///< absolute by another clock: counted from the first point
-  double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
-  double last_time = 0.0;       ///< s, as first_time
+  std::string fields;               ///< "x y z intensity ring time", in the message's order
+  std::string contents;             ///< of a message without fields: "76 packets of a VLP-16"
+  std::size_t damaged_packets = 0;  ///< of the contents, left out
+  std::string intensity_field;      ///< empty if there is none
+  std::string time_field;           ///< empty if there is none
+  std::string time_unit;            ///< "s", "ms", "us" or "ns"; empty if there are no times
+  bool absolute_times = false;      ///< times of the clock of the stamps
+  bool foreign_clock = false;       ///< absolute by another clock: counted from the first point
+  double first_time = 0.0;          ///< s, relative to the stamp or as the field counts
+  double last_time = 0.0;           ///< s, as first_time
 };
 
 /// The properties of a cloud that are checked.

@@ -123,6 +123,9 @@ struct PreprocessingConfig {
   /// [m] Points inside are on the vehicle and left out: x, y, z from, x, y, z to, in base_link;
   /// zeros for none.
   std::vector<double> vehicle_box = std::vector<double>(6, 0.0);
+  /// Calibration file of velodyne_pointcloud (YAML) for packets of a Velodyne; without it the
+  /// nominal angles of the model are used, which an HDL-64E does not have.
+  std::string velodyne_calibration;
   /// [deg] Turns every beam upwards (0.205 for the HDL-64E of KITTI).
   double vertical_angle_correction_deg = 0.0;
   /// Thins the scan: to the mean of each voxel, or (faster) to its first point.

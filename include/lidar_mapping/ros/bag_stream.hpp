@@ -15,6 +15,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_file.hpp"
+#include "lidar_mapping/ros/ros2_file.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -60,7 +61,8 @@ struct BagDamage {
   std::string reason;      ///< of the first
 };
 
-/// Messages of several bags in the order of their times, equal ones in that of the bags and files.
+/// Messages of several bags, or recordings of ROS 2 in SQLite, in the order of their times, equal
+/// ones in that of the bags and files.
 /// A chunk is decompressed once, and only chunks with messages that are due soon are kept, so that
 /// memory does not grow with the recording. Throws FileError if a bag cannot be read at all; chunks
 /// and messages that are damaged are left out.
@@ -90,6 +92,8 @@ class BagStream {
     std::optional<ChunkContent> content;
   };
   using OpenChunks = std::map<ChunkPosition, OpenChunk>;
+  /// A recording of ROS 2; null after its end, or where reading it failed.
+  using Ros2Recording = std::unique_ptr<Ros2File>;
 
   /// The chunk with the earliest message, or the end.
   OpenChunks::iterator earliest();
@@ -99,8 +103,13 @@ class BagStream {
   void advance(OpenChunks::iterator at);
   const ChunkContent& content(OpenChunks::iterator at);
   void evict_farthest();
+  /// The recording of ROS 2 with the earliest message, and its time; null if there is none.
+  std::pair<Ros2Recording*, Stamp> earliest_of_ros2();
+  std::optional<BagMessage> take_from(Ros2Recording& recording);
 
   std::vector<Bag> bags_;
+  std::vector<Ros2Recording> ros2_recordings_;
+  std::vector<Ros2Recording> ended_;  ///< their connections may still be in use
   OpenChunks open_;
   BagDamage damage_;
   ChunkMemory memory_;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include <sensor_msgs/PointCloud2.h>
 
@@ -10,17 +12,24 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A cloud whose data stay in the memory of the recording.
+/// A cloud of any of cloud_types(), in the layout of a PointCloud2, or as packets of a sensor. The
+/// data stay in the memory of the recording where that has them so.
 struct RecordedCloud {
   sensor_msgs::PointCloud2 message;    ///< without the data
-  ByteRange data;                      ///< of the message
+  ByteRange data;                      ///< of the message, or the packets
   std::shared_ptr<const void> memory;  ///< where the data lie
+  bool holds_packets = false;          ///< of a Velodyne: there are no fields; see CloudReader
 
   /// The cloud with its data; this object has to outlive the view.
   CloudView view() const { return {message, data.first, data.size}; }
 };
 
-/// The cloud in a message of type sensor_msgs/PointCloud2. Throws ros::Exception if it is damaged.
-RecordedCloud read_cloud(const BagMessage& recorded);
+/// The cloud in a serialised message of one of cloud_types(), whose data lie in `memory`. Throws
+/// ros::Exception if it is damaged, and InputError for another type.
+RecordedCloud read_cloud(const std::string& type, ByteRange data,
+                         std::shared_ptr<const void> memory);
+/// The cloud in a message of a recording; empty if it is of another type. Throws ros::Exception if
+/// it is damaged.
+std::optional<RecordedCloud> read_cloud(const BagMessage& recorded);
 
 }  // namespace lidar_mapping::ros_border

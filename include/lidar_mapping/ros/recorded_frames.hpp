@@ -31,8 +31,12 @@ class RecordedFrames {
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.
   std::optional<Pose> T_base(const std::string& frame) const;
+  /// The pose at a time, interpolated; nothing if the transforms do not reach there.
+  std::optional<Pose> T_base(const std::string& frame, Stamp stamp) const;
 
  private:
+  std::optional<Pose> look_up(const std::string& frame, const ros::Time& time) const;
+
   std::string base_frame_;
   tf2::BufferCore frames_{ros::Duration(1e6)};
 };

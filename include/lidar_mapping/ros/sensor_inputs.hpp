@@ -18,8 +18,9 @@
 namespace lidar_mapping::ros_border {
 
 /// Types of message that a velocity is read from; of nav_msgs/Odometry it is the twist, in the axes
-/// of its child_frame_id. Only the first is used as a velocity without request: the others often
-/// hold something else (a velocity in East-North-Up, an odometry that leaves its twist empty).
+/// of its child_frame_id. In recordings the first is used as a velocity without request, and an
+/// odometry if its twist agrees with its poses: they often hold something else (a velocity in
+/// East-North-Up, an odometry that leaves its twist empty).
 const std::vector<std::string>& velocity_types();
 
 /// Types of message that fixes are read from; the earlier are preferred. A GeoPoint has neither

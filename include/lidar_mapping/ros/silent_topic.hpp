@@ -14,9 +14,9 @@ struct PublishedTopic {
 };
 
 /// One line for a user whose `topic` is silent: whether it is published at all, and which topics of
-/// its type are, but for those that this package publishes itself. `remedy` names the argument that
-/// chooses the topic.
-std::string why_silent(const std::string& topic, const std::string& type,
+/// one of its types are, but for those that this package publishes itself. `remedy` names the
+/// argument that chooses the topic.
+std::string why_silent(const std::string& topic, const std::vector<std::string>& types,
                        const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own, const std::string& remedy);
 

@@ -12,7 +12,7 @@ namespace lidar_mapping::ros_border {
 
 /// Topics of the sensors; empty if there is none.
 struct SensorTopics {
-  std::string points;    ///< sensor_msgs/PointCloud2
+  std::string points;    ///< one of cloud_types()
   std::string imu;       ///< sensor_msgs/Imu
   std::string velocity;  ///< one of velocity_types()
   std::string gnss;      ///< one of gnss_types()
@@ -29,15 +29,16 @@ std::string busiest_topic(const BagSet& bags, const std::string& type);
 /// The first readable cloud of a topic; empty if there is none.
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic);
 
-/// Topics of sensor_msgs/PointCloud2, the one most likely of a LiDAR first: clouds whose points
-/// have times or rings before clouds with intensities and those before others (depth cameras,
-/// radars), among equals the one with most data. Topics that this package publishes are left out.
+/// Topics of cloud_types(), the one most likely of a LiDAR first: clouds whose points have times
+/// before those with rings, these before clouds with intensities and those before others (depth
+/// cameras, radars), among equals the one with most data. Topics that this package publishes are
+/// left out.
 std::vector<std::string> cloud_topics(const BagSet& bags);
 
 /// Completes `wanted`: each sensor without a topic gets that of the launch file if the bags have
 /// it, else the topic of its type with most messages; for clouds that which is most likely a
-/// LiDAR's, see cloud_topics(). Throws InputError if a requested topic does not exist with such a
-/// type.
+/// LiDAR's, see cloud_topics(); for the velocity, where there is none, an odometry whose twist
+/// agrees with its poses. Throws InputError if a requested topic does not exist with such a type.
 SensorTopics topics_in(const BagSet& bags, SensorTopics wanted = {});
 
 }  // namespace lidar_mapping::ros_border

@@ -21,7 +21,9 @@ struct PointsRecord {
   TopicStatistics topic;
   CloudSummary cloud;  ///< the last cloud with points
   SweepSeam seam;
-  std::vector<double> delays;  ///< s from the stamps to the deliveries
+  std::vector<double> delays;       ///< s from the stamps to the deliveries
+  std::size_t empty = 0;            ///< clouds without points
+  std::size_t damaged_packets = 0;  ///< of a sensor whose packets are decoded here
 };
 
 struct GnssRecord {

@@ -21,7 +21,11 @@ InputValidator::~InputValidator() = default;
 
 void InputValidator::add_scan(const CloudSummary& cloud) {
   records_->points.topic.add(cloud.stamp, cloud.frame_id);
-  if (cloud.points == 0) return;
+  records_->points.damaged_packets += cloud.damaged_packets;
+  if (cloud.points == 0) {
+    ++records_->points.empty;
+    return;
+  }
   records_->points.cloud = cloud;
   records_->points.seam.add(cloud);
   if (cloud.delay) records_->points.delays.push_back(*cloud.delay);

@@ -87,13 +87,25 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
     add_fault(report, "nothing came on the topic of the points", "remap `points`");
     return report;
   }
-  report.found +=
-      formatted(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
-  check_times(points.cloud, points.topic.rate(), config, report);
+  const CloudSummary& cloud = points.cloud;
+  if (cloud.points > 0) {  // at least one was not empty
+    report.found += cloud.contents.empty() ? ", fields " + cloud.fields : ", " + cloud.contents;
+    report.found += formatted(", %zu points", cloud.points);
+    check_times(cloud, points.topic.rate(), config, report);
+  }
   check_stamps(points, config, report);
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");
+  }
+  if (points.empty > 0) {
+    add_fault(report,
+              formatted("%zu of %zu scans have no points", points.empty, points.topic.count),
+              "the sensor saw nothing or was not ready: record again, or cut them off");
+  }
+  if (points.damaged_packets > 0) {
+    add_warning(report, formatted("%zu packets of the sensor are damaged", points.damaged_packets),
+                "they are left out; look at the network between sensor and computer");
   }
   const double gap = to_seconds(points.topic.longest_gap);
   if (gap > kMaxMissingPeriods / std::max(points.topic.rate(), 1e-3)) {

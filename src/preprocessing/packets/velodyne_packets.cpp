@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/preprocessing/velodyne_packets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/units.hpp"
+
+#include "packets/velodyne_models.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr std::size_t kBlock = 100;           // bytes of a block, by the user's manual
+constexpr std::size_t kBlocks = 12;           // of a packet, by the user's manual
+constexpr std::size_t kAzimuth = 2;           // byte of the azimuth in a block, by the manual
+constexpr std::size_t kChannels = 4;          // byte of the first range in a block, by the manual
+constexpr std::size_t kChannel = 3;           // bytes: range (two) and reflectivity, by the manual
+constexpr std::size_t kChannelsOfBlock = 32;  // by the user's manual
+constexpr std::size_t kTime = 1200;           // byte of the time in a packet, by the manual
+constexpr unsigned kTurn = 36000;             // counts of azimuth, 0.01 degrees, by the manual
+constexpr std::int64_t kHour =
+    3'600'000'000;  // us until the sensor's time begins anew, by the manual
+/// Largest turn from block to block, counts. Chosen: no sensor turns so far, even at 20 Hz.
+constexpr unsigned kLargestStep = 500;
+/// Largest difference of the sensor's clock from the stamps within a scan, s. Chosen: stamps of
+/// packets that wait in a network are late by less; a sensor without a clock differs by more.
+constexpr double kSameClock = 0.05;
+/// From packet to packet of an HDL-64E, s, by its user's manual (1.333 million points a second);
+/// used where a scan has a single packet.
+constexpr double kHdl64Packet = 288e-6;
+
+// Distances of the two places at which an HDL-64E is calibrated, m, by its user's manual.
+constexpr double kNearX = 2.4, kNearY = 1.93, kFar = 25.04;
+/// Counts of the range of an HDL-64E at which its focal distances end, by its user's manual.
+constexpr double kFocalEnd = 13100.0;
+
+/// A packet, and the time of its first firing in s after the scan's stamp.
+struct TimedPacket {
+  const unsigned char* data;
+  double time;
+};
+
+unsigned azimuth_of(const unsigned char* block) { return number_of_two_bytes(block + kAzimuth); }
+
+bool is_whole(const VelodynePacket& packet) {
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    const unsigned char* block = packet.data + b * kBlock;
+    const unsigned flag = number_of_two_bytes(block);
+    if ((flag != kUpperBlock && flag != kLowerBlock) || azimuth_of(block) >= kTurn) return false;
+  }
+  return true;
+}
+
+std::int64_t sensor_microseconds(const VelodynePacket& packet) {
+  std::array<unsigned char, 4> bytes;
+  std::memcpy(bytes.data(), packet.data + kTime, bytes.size());
+  std::int64_t time = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) time = 256 * time + bytes[i];
+  return time;
+}
+
+/// Seconds from the first packet to each one by the sensor's clock; empty if that is no clock.
+std::vector<double> sensor_times(const std::vector<VelodynePacket>& packets) {
+  std::vector<double> times;
+  for (const VelodynePacket& packet : packets) {
+    std::int64_t passed = sensor_microseconds(packet) - sensor_microseconds(packets.front());
+    if (passed < -kHour / 2) passed += kHour;
+    times.push_back(1e-6 * static_cast<double>(passed));
+    const double by_stamps = to_seconds(packet.stamp - packets.front().stamp);
+    if (std::abs(times.back() - by_stamps) > kSameClock) return {};
+  }
+  return times;
+}
+
+/// Times by the sensor's clock, which no network delays; the packet that came soonest says how that
+/// clock stands to the stamps. Without such a clock the times are the stamps.
+std::vector<TimedPacket> with_times(const std::vector<VelodynePacket>& packets, Stamp stamp) {
+  const std::vector<double> sensor = sensor_times(packets);
+  double soonest = 0.0;
+  for (std::size_t i = 0; i < sensor.size(); ++i) {
+    const double offset = to_seconds(packets[i].stamp - stamp) - sensor[i];
+    soonest = i == 0 ? offset : std::min(soonest, offset);
+  }
+  std::vector<TimedPacket> timed;
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    const double time = sensor.empty() ? to_seconds(packets[i].stamp - stamp) : sensor[i] + soonest;
+    timed.push_back({packets[i].data, time});
+  }
+  return timed;
+}
+
+/// s from packet to packet.
+double packet_duration(const std::vector<TimedPacket>& packets) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < packets.size(); ++i) {
+    steps.push_back(packets[i].time - packets[i - 1].time);
+  }
+  const double step = steps.empty() ? 0.0 : median(steps);
+  return step > 0.0 ? step : kHdl64Packet;
+}
+
+/// The blocks of a packet that were measured at the same azimuth: upper and lower lasers, and both
+/// returns in dual return mode.
+struct Group {
+  std::size_t begin = 0;  ///< first block
+  std::size_t end = 0;    ///< after the last block
+  unsigned azimuth = 0;   ///< counts
+  double step = 0.0;      ///< counts to the next group
+};
+
+std::vector<Group> groups_of(const unsigned char* packet) {
+  std::vector<Group> groups;
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    const unsigned azimuth = azimuth_of(packet + b * kBlock);
+    if (groups.empty() || groups.back().azimuth != azimuth) groups.push_back({b, b, azimuth, 0.0});
+    groups.back().end = b + 1;
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const bool is_last = g + 1 == groups.size();
+    const unsigned step =
+        is_last ? 0U : (groups[g + 1].azimuth + kTurn - groups[g].azimuth) % kTurn;
+    if (step > 0U && step <= kLargestStep) groups[g].step = step;
+    if (groups[g].step == 0.0 && g > 0) groups[g].step = groups[g - 1].step;
+  }
+  return groups;
+}
+
+/// How much nearer than far away a range is to be corrected, by the manual of the HDL-64E.
+double near_correction(double at, double near_place, double near_value, double far_value) {
+  return (far_value - near_value) * (at - near_place) / (kFar - near_place) + near_value -
+         far_value;
+}
+
+/// A laser whose functions of constant angles are known.
+class Laser {
+ public:
+  Laser(const LaserCorrection& correction, double resolution)
+      : c_(correction),
+        resolution_(resolution),
+        cos_(std::cos(correction.vert_correction)),
+        sin_(std::sin(correction.vert_correction)),
+        focal_(256.0 * square(1.0 - correction.focal_distance / kFocalEnd)) {}
+
+  /// The point at an azimuth in rad, clockwise from ahead.
+  Point point(unsigned counts, unsigned reflectivity, double azimuth) const {
+    const double c = std::cos(azimuth - c_.rot_correction);
+    const double s = std::sin(azimuth - c_.rot_correction);
+    const double range = counts * resolution_ + c_.dist_correction;
+    double side = range, ahead = range;
+    if (c_.has_two_points) {
+      side += near_correction(std::abs(right(range, c, s)), kNearX, c_.dist_correction_x,
+                              c_.dist_correction);
+      ahead += near_correction(std::abs(front(range, c, s)), kNearY, c_.dist_correction_y,
+                               c_.dist_correction);
+    }
+    const double up = ahead * sin_ + c_.vert_offset_correction * cos_;
+    return {static_cast<float>(front(ahead, c, s)), static_cast<float>(-right(side, c, s)),
+            static_cast<float>(up), intensity(counts, reflectivity)};
+  }
+
+ private:
+  static double square(double value) { return value * value; }
+
+  double horizontal(double range) const { return range * cos_ - c_.vert_offset_correction * sin_; }
+  double right(double range, double c, double s) const {
+    return horizontal(range) * s - c_.horiz_offset_correction * c;
+  }
+  double front(double range, double c, double s) const {
+    return horizontal(range) * c + c_.horiz_offset_correction * s;
+  }
+  float intensity(unsigned counts, unsigned reflectivity) const {
+    const double from_focus = std::abs(focal_ - 256.0 * square(1.0 - counts / 65535.0));
+    const double value = reflectivity + c_.focal_slope * from_focus;
+    return static_cast<float>(std::max(c_.min_intensity, std::min(c_.max_intensity, value)));
+  }
+
+  LaserCorrection c_;
+  double resolution_;
+  double cos_, sin_;
+  double focal_;
+};
+
+/// Collects the points of a scan.
+class PointCollector {
+ public:
+  PointCollector(const VelodyneModel& model, const VelodyneCalibration& calibration,
+                 PointCloud& cloud)
+      : model_(model), cloud_(cloud) {
+    for (const LaserCorrection& correction : calibration.lasers) {
+      lasers_.emplace_back(correction, calibration.distance_resolution);
+    }
+  }
+
+  /// `duration`: s to the next packet, for models whose firing times are not known.
+  void add(const TimedPacket& packet, double duration) {
+    const std::vector<Group> groups = groups_of(packet.data);
+    const double known = static_cast<double>(model_.sequences) * model_.sequence;
+    const double step = known > 0.0 ? known : duration / static_cast<double>(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const double time = packet.time + static_cast<double>(g) * step;
+      for (std::size_t block = groups[g].begin; block < groups[g].end; ++block) {
+        add_block(packet.data, groups[g], block, time, step);
+      }
+    }
+  }
+
+ private:
+  void add_block(const unsigned char* packet, const Group& group, std::size_t block, double time,
+                 double duration) {
+    const unsigned char* const at = packet + block * kBlock;
+    const unsigned char* const first = first_return(packet, group, block);
+    const std::size_t bank = number_of_two_bytes(at) == kLowerBlock ? kChannelsOfBlock : 0;
+    for (std::size_t channel = 0; channel < kChannelsOfBlock; ++channel) {
+      const unsigned char* const measured = at + kChannels + channel * kChannel;
+      const unsigned counts = number_of_two_bytes(measured);
+      if (counts == 0) continue;  // no return
+      if (first != nullptr &&
+          counts == number_of_two_bytes(first + kChannels + channel * kChannel)) {
+        continue;  // the strongest return is the last one, too
+      }
+      const std::size_t laser = (channel + bank) % model_.lasers;
+      const double delay = firing_delay(channel, laser);
+      const double azimuth = group.azimuth + group.step * delay / duration;
+      cloud_.points.push_back(
+          lasers_[laser].point(counts, measured[2], azimuth * 0.01 * kRadPerDeg));
+      cloud_.times.push_back(static_cast<float>(time + delay));
+    }
+  }
+
+  /// The block with the other return of the same lasers; null for the first one.
+  static const unsigned char* first_return(const unsigned char* packet, const Group& group,
+                                           std::size_t block) {
+    const unsigned flag = number_of_two_bytes(packet + block * kBlock);
+    for (std::size_t other = group.begin; other < block; ++other) {
+      if (number_of_two_bytes(packet + other * kBlock) == flag) return packet + other * kBlock;
+    }
+    return nullptr;
+  }
+
+  /// s after the beginning of the block.
+  double firing_delay(std::size_t channel, std::size_t laser) const {
+    const std::size_t sequence = channel / std::min(model_.lasers, kChannelsOfBlock);
+    return static_cast<double>(sequence) * model_.sequence +
+           static_cast<double>(laser / model_.together) * model_.firing;
+  }
+
+  const VelodyneModel& model_;
+  PointCloud& cloud_;
+  std::vector<Laser> lasers_;
+};
+
+VelodyneCalibration fitting(const std::optional<VelodyneCalibration>& calibration,
+                            const VelodyneModel& model) {
+  if (!calibration) return nominal_calibration(model);
+  if (calibration->lasers.size() == model.lasers) return *calibration;
+  throw InputError("velodyne_calibration is of " + std::to_string(calibration->lasers.size()) +
+                   " lasers, but the packets are those of a " + model.name + " with " +
+                   std::to_string(model.lasers) + "; name the file of this sensor");
+}
+
+}  // namespace
+
+VelodyneDecoder::VelodyneDecoder(std::optional<VelodyneCalibration> calibration)
+    : calibration_(std::move(calibration)) {}
+
+PacketScan VelodyneDecoder::decode(const std::vector<VelodynePacket>& packets, Stamp stamp,
+                                   PointCloud buffer) const {
+  if (packets.empty()) throw InputError("a scan of a Velodyne holds no packets");
+  const VelodyneModel& model = velodyne_model(packets, calibration_);
+  std::vector<VelodynePacket> whole;
+  std::copy_if(packets.begin(), packets.end(), std::back_inserter(whole), is_whole);
+  if (whole.empty()) {
+    throw InputError("all " + std::to_string(packets.size()) +
+                     " packets of a Velodyne scan are "
+                     "damaged");
+  }
+  PacketScan scan;
+  scan.damaged_packets = packets.size() - whole.size();
+  scan.contents = std::to_string(packets.size()) + " packets of a Velodyne " + model.name;
+  scan.cloud = std::move(buffer);
+  scan.cloud.points.clear();
+  scan.cloud.times.clear();
+  const std::vector<TimedPacket> timed = with_times(whole, stamp);
+  const double duration = packet_duration(timed);
+  PointCollector points(model, fitting(calibration_, model), scan.cloud);
+  for (const TimedPacket& packet : timed) points.add(packet, duration);
+  scan.span = time_span(scan.cloud);
+  return scan;
+}
+
+}  // namespace lidar_mapping::preprocessing

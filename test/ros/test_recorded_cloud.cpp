@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/cloud_reader.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
+#include "lidar_mapping/ros/wire_message.hpp"
+
+#include "cloud_forms.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+using test::LivoxDriver;
+using test::TimedPoint;
+
+sensor_msgs::PointCloud2 example() {
+  std_msgs::Header header;
+  header.stamp = ros::Time(1700000000, 250000000);
+  header.frame_id = "/lidar";
+  std::vector<TimedPoint> points;
+  for (int i = 0; i < 100; ++i) {
+    const auto f = static_cast<float>(i);
+    points.push_back({f, 2.0F * f, -f, f, 0.001F * f});
+  }
+  return test::plain_cloud(header, points);
+}
+
+template <typename Message>
+std::vector<std::uint8_t> serialized(const Message& message) {
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
+}
+
+template <typename Message>
+RecordedCloud cloud_in(const std::vector<std::uint8_t>& bytes) {
+  const std::string type = ros::message_traits::DataType<Message>::value();
+  EXPECT_TRUE(is_cloud(type, ros::message_traits::MD5Sum<Message>::value())) << type;
+  return read_cloud(type, {bytes.data(), bytes.size()}, nullptr);
+}
+
+template <typename Message>
+void expect_example(const Message& message) {
+  const std::vector<std::uint8_t> bytes = serialized(message);
+  const preprocessing::PreprocessingConfig config;
+  for (const bool lazily : {false, true}) {
+    const RecordedCloud cloud = cloud_in<Message>(bytes);
+    const CloudReader reader(config);
+    DecodedCloud decoded = lazily ? reader.read_lazily(cloud) : reader.read(cloud);
+    decoded.scan.unpack();
+    EXPECT_EQ(decoded.scan.stamp, 1700000000250000000);
+    EXPECT_EQ(decoded.scan.frame_id, "lidar");
+    ASSERT_EQ(decoded.scan.cloud.size(), 100U);
+    EXPECT_EQ(decoded.scan.cloud.points[7].position(), Eigen::Vector3f(7, 14, -7));
+    EXPECT_EQ(decoded.scan.cloud.points[7].intensity, 7.0F);
+    ASSERT_TRUE(decoded.scan.cloud.has_times());
+    EXPECT_NEAR(decoded.scan.cloud.times[99], 0.099, 1e-6);
+  }
+}
+
+/// Any shortening of a message is noticed.
+template <typename Message>
+void expect_cuts_noticed(const Message& message) {
+  const std::vector<std::uint8_t> bytes = serialized(message);
+  for (std::size_t size = 0; size < bytes.size(); size += 7) {
+    const std::vector<std::uint8_t> cut(bytes.begin(),
+                                        bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_THROW(cloud_in<Message>(cut), ros::Exception) << size;
+  }
+}
+
+TEST(RecordedCloud, ReadsEachType) {
+  expect_example(example());
+  expect_example(test::with_split_times(example()));
+  expect_example(test::as_livox<LivoxDriver::kOne>(example()));
+  expect_example(test::as_livox<LivoxDriver::kTwo>(example()));
+  expect_example(test::as_point_cloud1(example()));
+}
+
+TEST(RecordedCloud, NoticesCutMessages) {
+  expect_cuts_noticed(test::as_livox<LivoxDriver::kOne>(example()));
+  expect_cuts_noticed(test::as_point_cloud1(example()));
+  test::VelodyneScanMessage scan;
+  scan.packets.resize(3);
+  expect_cuts_noticed(scan);
+}
+
+/// A count of four thousand million is no reason to ask for that much memory.
+TEST(RecordedCloud, NoticesCountsBeyondTheMessage) {
+  auto livox = test::as_livox<LivoxDriver::kOne>(example());
+  std::vector<std::uint8_t> bytes = serialized(livox);
+  const std::size_t count_at = bytes.size() - livox.points.size() * 19 - 4;
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(count_at), 4, std::uint8_t{0xFF});
+  EXPECT_THROW(cloud_in<test::LivoxMessage<LivoxDriver::kOne>>(bytes), ros::Exception);
+}
+
+TEST(RecordedCloud, LeavesOutChannelsWithoutAValueForEachPoint) {
+  sensor_msgs::PointCloud cloud = test::as_point_cloud1(example());
+  cloud.channels[1].values.pop_back();
+  const auto bytes = serialized(cloud);
+  const DecodedCloud decoded = CloudReader({}).read(cloud_in<sensor_msgs::PointCloud>(bytes));
+  EXPECT_EQ(decoded.format.fields, "x y z intensity");
+  EXPECT_FALSE(decoded.scan.cloud.has_times());
+}
+
+TEST(RecordedCloud, ReadsNoOtherType) {
+  EXPECT_THROW(read_cloud("sensor_msgs/LaserScan", {}, nullptr), InputError);
+  EXPECT_FALSE(is_cloud("sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369"));
+  EXPECT_FALSE(is_cloud("velodyne_msgs/VelodyneScan", "0"));
+  EXPECT_EQ(foreign_definition("velodyne_msgs/VelodyneScan", "0"),
+            "velodyne_msgs/VelodyneScan of another definition (MD5 sum 0, read is "
+            "50804fc9533a0e579e6322c04ae70566)");
+  EXPECT_EQ(foreign_definition("sensor_msgs/LaserScan", "0"), "");
+}
+
+TEST(CloudReader, NeedsACalibrationThatIsThere) {
+  preprocessing::PreprocessingConfig config;
+  config.velodyne_calibration = "/no/such/file.yaml";
+  EXPECT_THROW(CloudReader{config}, FileError);
+}
+
+TEST(WireMessage, TakesTheBytesAndTheNumber) {
+  sensor_msgs::PointCloud2 cloud = example();
+  cloud.header.seq = 42;
+  std::vector<std::uint8_t> bytes = serialized(cloud);
+  ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  WireMessage message;
+  EXPECT_EQ(message.sequence(), 0U);
+  ros::serialization::deserialize(stream, message);
+  EXPECT_EQ(message.data, bytes);
+  EXPECT_EQ(message.sequence(), 42U);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/trajectory.hpp"
+
+#include "cloud_forms.hpp"
+#include "program.hpp"
+#include "rewritten_bag.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::test {
+
+constexpr char kTopic[] = "/points";
+
+/// Writes a message that is made of each cloud.
+template <typename Make>
+WriteCloud with(const Make& make) {
+  return [make](rosbag::Bag& to, const ros::Time& recorded, const sensor_msgs::PointCloud2& cloud) {
+    to.write(kTopic, recorded, make(cloud));
+  };
+}
+
+/// A drive in other forms, and what the commands make of it.
+class InputForms : public ::testing::Test {
+ protected:
+  /// A drive of a VLP-16 that was simulated once for all tests.
+  static std::string drive() {
+    static const TemporaryFolder folder;
+    static const std::string bag = [] {
+      const std::string path = folder.path() / "drive.bag";
+      Program simulation("simulate_drive", {path, "--lidar", "vlp16", "--duration", "8"},
+                         folder.path() / "log");
+      EXPECT_EQ(simulation.wait(), 0) << simulation.output();
+      return path;
+    }();
+    return bag;
+  }
+
+  std::string rewritten(const std::string& name, const WriteMessage& write) const {
+    const std::string path = folder_.path() / (name + ".bag");
+    rewrite_bag(drive(), path, write);
+    return path;
+  }
+  std::string written(const std::string& name, const WriteCloud& write) const {
+    return rewritten(name, for_clouds(write));
+  }
+  Trajectory mapped(const std::string& input, const Words& more = {}) const {
+    static int sessions = 0;
+    const std::string session = folder_.path() / ("session_" + std::to_string(++sessions));
+    Words words = {input, "-o", session, "--no-map", "--allow-doubt"};
+    words.insert(words.end(), more.begin(), more.end());
+    Program map("map_bag", words, folder_.path() / "log");
+    EXPECT_EQ(map.wait(), 0) << map.output();
+    return read_trajectory(session + "/trajectory/laser_odom_scans.tum");
+  }
+  /// What check_bag says of a recording, and its exit status.
+  std::pair<std::string, int> checked(const std::string& input, const Words& more = {}) const {
+    Words words = {input};
+    words.insert(words.end(), more.begin(), more.end());
+    Program check("check_bag", words, folder_.path() / "log");
+    const int status = check.wait();
+    return {check.output(), status};
+  }
+
+  static void expect_equal_poses(const Trajectory& trajectory, const Trajectory& plain) {
+    ASSERT_EQ(trajectory.poses.size(), plain.poses.size());
+    ASSERT_GT(plain.poses.size(), 40U);
+    double largest = 0.0, way = 0.0;
+    for (std::size_t i = 0; i < plain.poses.size(); ++i) {
+      ASSERT_EQ(trajectory.poses[i].stamp, plain.poses[i].stamp);
+      const Pose& pose = plain.poses[i].pose;
+      largest = std::max(largest, (trajectory.poses[i].pose.translation - pose.translation).norm());
+      way = std::max(way, pose.translation.norm());
+    }
+    EXPECT_LT(largest, 1e-3);  // m
+    EXPECT_GT(way, 10.0);
+    RecordProperty("largest_difference_um", static_cast<int>(1e6 * largest));
+    std::printf("largest difference of the positions: %.1f um\n", 1e6 * largest);
+  }
+  void expect_poses_of_the_drive(const std::string& name, const WriteCloud& write) const {
+    expect_equal_poses(mapped(written(name, write)), mapped(plain_bag()));
+  }
+  void expect_said(const std::pair<std::string, int>& said, const std::string& words,
+                   int status) const {
+    EXPECT_NE(said.first.find(words), std::string::npos) << said.first;
+    EXPECT_EQ(said.second, status) << said.first;
+  }
+
+  const TemporaryFolder folder_;
+
+  /// The drive with its clouds as they are.
+  std::string plain_bag() const {
+    return written("plain", with([](const sensor_msgs::PointCloud2& cloud) { return cloud; }));
+  }
+};
+
+}  // namespace lidar_mapping::test

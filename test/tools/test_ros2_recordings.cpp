@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings of ROS 2 through the commands, without ROS 2.
+#include <fstream>
+
+#include "input_forms.hpp"
+#include "ros2_writer.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using sensor_msgs::PointCloud2;
+using test::kTopic;
+using test::LivoxDriver;
+using test::Ros2Writer;
+
+class Ros2Recordings : public test::InputForms {
+ protected:
+  /// The drive as a recording of ROS 2; clouds are written by `write`.
+  template <typename WriteCloud>
+  std::string recorded(const std::string& path, const WriteCloud& write) const {
+    Ros2Writer out(path);
+    const rosbag::Bag in(drive(), rosbag::bagmode::Read);
+    for (const rosbag::MessageInstance& message : rosbag::View(in)) {
+      if (const auto cloud = message.instantiate<PointCloud2>()) {
+        write(out, message.getTime(), *cloud);
+      } else {
+        copy<sensor_msgs::Imu, sensor_msgs::NavSatFix, geometry_msgs::TwistStamped,
+             tf2_msgs::TFMessage, nav_msgs::Odometry>(message, out);
+      }
+    }
+    return path;
+  }
+  static void write_plain(Ros2Writer& out, const ros::Time& recorded, const PointCloud2& cloud) {
+    out.add(kTopic, recorded, cloud);
+  }
+
+ private:
+  template <typename... Messages>
+  static void copy(const rosbag::MessageInstance& from, Ros2Writer& to) {
+    (copy_one<Messages>(from, to), ...);
+  }
+  template <typename Message>
+  static void copy_one(const rosbag::MessageInstance& from, Ros2Writer& to) {
+    const auto message = from.instantiate<Message>();
+    if (message) to.add(from.getTopic(), from.getTime(), *message);
+  }
+};
+
+TEST_F(Ros2Recordings, AFileAndAFolderGiveThePosesOfTheBag) {
+  const std::filesystem::path folder = folder_.path() / "drive";
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "metadata.yaml") << "rosbag2_bagfile_information:\n  version: 5\n";
+  const std::string file = recorded(folder / "drive_0.db3", write_plain);
+  const Trajectory plain = mapped(plain_bag());
+  expect_equal_poses(mapped(file), plain);
+  expect_equal_poses(mapped(folder), plain);
+  const auto said = checked(folder);
+  expect_said(said, "points    /points: 10.0 Hz, frame velo_link", 0);
+  for (const char* topic : {"/kitti/oxts/imu: 100.0 Hz", "/kitti/oxts/gps/vel", "/gps/fix: 10.0"}) {
+    EXPECT_NE(said.first.find(topic), std::string::npos) << said.first;
+  }
+}
+
+TEST_F(Ros2Recordings, LivoxCustomMsg) {
+  const auto livox = [](Ros2Writer& out, const ros::Time& recorded, const PointCloud2& cloud) {
+    out.add(kTopic, recorded, test::as_livox<LivoxDriver::kTwo>(cloud));
+  };
+  const std::string file = recorded(folder_.path() / "livox.db3", livox);
+  expect_equal_poses(mapped(file), mapped(plain_bag()));
+}
+
+TEST_F(Ros2Recordings, WhatCannotBeReadIsNamed) {
+  const std::string type = "sensor_msgs/msg/PointCloud2";
+  const auto written = [&](const std::string& name, std::vector<std::uint8_t> bytes,
+                           const std::string& format = "cdr") {
+    Ros2Writer(folder_.path() / name).add_bytes(kTopic, type, ros::Time(100), bytes, format);
+    return (folder_.path() / name).string();
+  };
+  expect_said(checked(written("xcdr.db3", {0, 7, 0, 0, 1, 2, 3, 4})),
+              "not serialised as little-endian CDR", 1);
+  expect_said(checked(written("zstd.db3", {0x28, 0xB5, 0x2F, 0xFD, 1, 2, 3})),
+              "ros2 bag convert decompresses", 1);
+  expect_said(checked(written("cut.db3", {0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 200, 0, 0, 0})),
+              "shorter than its counts say", 1);
+  expect_said(checked(written("other.db3", {}, "protobuf")), "serialised as 'protobuf'", 2);
+  std::ofstream(folder_.path() / "a.mcap") << "\x89MCAP0\r\n and more than sixteen bytes";
+  expect_said(checked(folder_.path() / "a.mcap"), "ros2 bag convert writes it as sqlite3", 2);
+  std::ofstream(folder_.path() / "a.db3.zstd") << "\x28\xB5\x2F\xFD and more than sixteen bytes";
+  expect_said(checked(folder_.path() / "a.db3.zstd"), "zstd -d decompresses it", 2);
+  std::ofstream(folder_.path() / "b.db3") << std::string("SQLite format 3\0 and no pages", 30);
+  expect_said(checked(folder_.path() / "b.db3"), "cannot read the recording", 2);
+}
+
+TEST_F(Ros2Recordings, ACutFileIsNamed) {
+  const std::string file = recorded(folder_.path() / "whole.db3", write_plain);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  expect_said(checked(file), "cannot read the recording " + file, 2);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
