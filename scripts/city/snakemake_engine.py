@@ -35,14 +35,12 @@ def cluster_arguments(cluster):
     return ['--cluster', cluster, '--latency-wait', '60']
 
 
-def run(city, command, cluster, workers, dry_run):
+def run(city, command, cluster, workers):
     """Runs what is not done; the exit status of Snakemake."""
     words = ['snakemake', '--snakefile', str(FOLDER / 'Snakefile'), '--directory', str(city.output),
              '--config', f'project={city.project.path}', f'command={command}', '--keep-going', '--rerun-incomplete',
              # map_city has a lock of its own, which ends with its process.
-             '--nolock', '--rerun-triggers', 'mtime', 'params', '--quiet' if dry_run else '--printshellcmds']
+             '--nolock', '--rerun-triggers', 'mtime', 'params', '--printshellcmds']
     words += cluster_arguments(cluster)
     words += ['--jobs', str(workers)] if cluster else ['--cores', str(workers)]
-    if dry_run:
-        words += ['--dry-run']
     return subprocess.run(words).returncode
