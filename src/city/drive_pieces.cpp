@@ -21,7 +21,7 @@ constexpr double kPieceLength = 100.0;
 // m of path between two places whose appearance is kept. Chosen: half of the reach of a view's
 // match (15 m), so that a place of another drive always has one within reach.
 constexpr double kPlaceSpacing = 7.0;
-// Steps per unit of a key, as in CoarseKey (coarse_key.cpp).
+// Steps per unit of a key, as in coarse_key.cpp.
 constexpr float kStepsPerUnit = 128.0F;
 // The largest number of a byte, by its format.
 constexpr float kMaxStep = 255.0F;

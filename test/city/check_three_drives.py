@@ -66,7 +66,7 @@ def check_errors(programs, folder, output):
         errors = folder / f'{name}.errors.json'
         run(programs / 'evaluate_trajectory', folder / f'{name}.tum', output / 'city/drives' / f'{name}.tum', '--align', '--json',
             errors)
-        rmse = json.loads(errors.read_text())['ape']['translation']['rmse']
+        rmse = json.loads(errors.read_text())['ape']['translation_m']['rmse']
         print(f'{name}: {1000 * rmse:.0f} mm')
         if not rmse < LARGEST_ERROR:
             sys.exit(f'{name} is wrong by {rmse} m')

@@ -37,7 +37,7 @@ DrivePieces straight_drive(const std::string& name, double x, double y, std::siz
 AppearanceKey view(unsigned place) {
   std::mt19937 generator(place);
   AppearanceKey key{};
-  for (std::uint8_t& step : key) step = static_cast<std::uint8_t>(generator() % 16);
+  for (std::uint8_t& step : key) step = static_cast<std::uint8_t>(generator() % 64);
   return key;
 }
 
