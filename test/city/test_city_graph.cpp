@@ -45,7 +45,9 @@ void add_gnss(const fs::path& folder, const std::vector<Pose>& truth,
     T_map_base.translation += offset;
     poses.poses.push_back({key_frames[i].index, key_frames[i].stamp, T_map_base});
   }
-  session.set_poses(poses, {});
+  session::RevisionRecord record;
+  record.revision = poses.revision;
+  session.set_poses(poses, record);
 }
 
 /// Three drives through the same two streets and one elsewhere.
