@@ -142,6 +142,9 @@ class Data:
                              ('TUESDAY', 'tuesday'), ('SESSION', 'monday')):
             shutil.copytree(self.folder / source, folder / name)
         shutil.copytree(ROOT / 'config', folder / 'config')
+        for name in ('monday.bag', 'tuesday.bag'):
+            (folder / name).symlink_to(self.folder / name)
+        (folder / 'town.yaml').write_text('recordings: [{path: "*day.bag"}]\noutput: town_city\n')
 
 
 class Block:

@@ -33,6 +33,7 @@ STAGES = {
     'simulation': ('worlds, sensors and drives', CONFIGURED),
     'evaluation': ('errors of trajectories against the truth', {'common'}),
     'pipeline': ('the stages put together, without ROS', MAPPING),
+    'city': ('many drives: pairs, loops between drives, one graph', MAPPING | {'pipeline', 'json'}),
     'report': ('figures and verdicts of a map, and the record of its making',
                MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'evaluation', 'json'}),
     'campaign': ('odometry over many simulated cases, checked step by step',
@@ -42,7 +43,7 @@ STAGES = {
     'nodes': ('one file for each node', MAPPING | {'pipeline', 'moving_objects', 'map', 'json', 'ros'}),
     'tools': ('one file for each command',
               MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'simulation', 'evaluation', 'json',
-                         'report', 'campaign', 'ros', 'recordings'}),
+                         'city', 'report', 'campaign', 'ros', 'recordings'}),
 }
 ALLOWED = {stage: allowed for stage, (_, allowed) in STAGES.items()}
 ROS_STAGES = {'ros', 'recordings', 'nodes', 'tools'}

@@ -95,7 +95,8 @@ bool CandidateGenerator::is_far_along_path(NodeId older) const {
 }
 
 bool CandidateGenerator::is_admissible(NodeId older) const {
-  return is_far_along_path(older) && may_overlap(prior_to(older), config_);
+  return trajectory_[older].index < end_of_candidates_ && is_far_along_path(older) &&
+         may_overlap(prior_to(older), config_);
 }
 
 Prior CandidateGenerator::prior_to(NodeId older) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
@@ -36,6 +37,9 @@ class CandidateGenerator {
   /// Adds a loop. It reduces the uncertainty between key frames as soon as the map satisfies it.
   void add_loop(const Loop& loop);
 
+  /// Only key frames below this index are candidates from now on.
+  void search_only_before(KeyFrameIndex end) { end_of_candidates_ = end; }
+
   const Trajectory& trajectory() const { return trajectory_; }
   /// Candidates for the newest key frame with their starting poses, best first.
   std::vector<Candidate> candidates() const;
@@ -65,6 +69,7 @@ class CandidateGenerator {
   PositionGrid map_grid_;
   PositionGrid gnss_grid_;
   std::vector<Loop> loops_;
+  KeyFrameIndex end_of_candidates_ = std::numeric_limits<KeyFrameIndex>::max();
 };
 
 }  // namespace lidar_mapping::loop_closing

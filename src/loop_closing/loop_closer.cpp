@@ -32,6 +32,7 @@ class LoopCloser::Impl {
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
     submaps_.set_sensor_origin(p_base_lidar);
   }
+  void search_only_before(KeyFrameIndex end) { generator_.search_only_before(end); }
   void update_poses(const KeyFramePoses& poses) { generator_.update_poses(poses); }
   void add_gnss(const GnssPosition& position) { generator_.add_gnss(position); }
 
@@ -169,6 +170,7 @@ LoopCloser::~LoopCloser() = default;
 void LoopCloser::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
   impl_->set_sensor_origin(p_base_lidar);
 }
+void LoopCloser::search_only_before(KeyFrameIndex end) { impl_->search_only_before(end); }
 void LoopCloser::restore(const KeyFrame& key_frame) { impl_->add(key_frame, {}); }
 void LoopCloser::restore(const std::vector<Loop>& loops, const std::vector<GnssPosition>& gnss,
                          const KeyFramePoses& poses) {

@@ -6,9 +6,7 @@
 #include <set>
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
-
-#include "by_stamp.hpp"
-#include "datum.hpp"
+#include "lidar_mapping/pipeline/session_part.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -16,49 +14,6 @@ namespace {
 
 using loop_closing::LoopCloser;
 using session::Session;
-
-/// Smallest offset (ns) with which no stamp of the part is known yet.
-Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known) {
-  Stamp stamp_offset = 0;
-  const auto is_known = [&](const KeyFrame& key_frame) {
-    return known.count(key_frame.stamp + stamp_offset) > 0;
-  };
-  while (std::any_of(key_frames.begin(), key_frames.end(), is_known)) ++stamp_offset;
-  return stamp_offset;
-}
-
-/// Calls `add` with the value of this stamp, whose stamp is shifted; does nothing if there is
-/// none.
-template <typename Value, typename Function>
-void add_shifted(const std::map<Stamp, Value>& values, Stamp stamp, Stamp stamp_offset,
-                 const Function& add) {
-  const auto found = values.find(stamp);
-  if (found == values.end()) return;
-  Value value = found->second;
-  value.stamp += stamp_offset;
-  add(value);
-}
-
-/// Offsets of a part in the merged session.
-struct Offsets {
-  KeyFrameIndex index = 0;
-  std::uint32_t segment = 0;
-  Stamp stamp_offset = 0;
-};
-
-Loop with_offsets(Loop loop, const Offsets& offsets) {
-  loop.from += offsets.index;
-  loop.to += offsets.index;
-  loop.stamp += offsets.stamp_offset;
-  return loop;
-}
-
-LoopVerdict with_offsets(LoopVerdict verdict, const Offsets& offsets) {
-  verdict.from += offsets.index;
-  verdict.to += offsets.index;
-  verdict.stamp += offsets.stamp_offset;
-  return verdict;
-}
 
 }  // namespace
 
@@ -74,21 +29,10 @@ class SessionMerger::Impl {
   const std::vector<MergedSession>& parts() const { return parts_; }
 
  private:
-  struct Measurements {
-    std::map<Stamp, GnssPosition> gnss;
-    std::map<Stamp, ImuSample> imu;
-    std::map<Stamp, Floor> floors;
-    std::multimap<KeyFrameIndex, Loop> loops;  ///< Loops by the index of their newer key frame.
-  };
-
   Session& session() { return back_end_.session(); }
   void copy_settings(const Session& session_part);
   std::vector<GnssPosition> gnss_of(const Session& session_part, MergedSession& merged);
-  Measurements measurements_of(const Session& session_part, MergedSession& merged);
-  void copy_records(const Session& session_part, const Offsets& offsets);
-  void add_key_frame(KeyFrame key_frame, const Session& session_part,
-                     const Measurements& measurements, const Offsets& offsets,
-                     MergedSession& merged);
+  void add_key_frame(const KeyFrame& key_frame, const SessionPart& part, MergedSession& merged);
   void add_own_loop(const Loop& loop);
   void search(const KeyFrame& key_frame, MergedSession& merged);
   void solve(bool thorough);
@@ -98,7 +42,7 @@ class SessionMerger::Impl {
   std::vector<MergedSession> parts_;
   std::set<Stamp> stamps_;
   std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> pairs_;
-  Offsets next_;
+  PartOffsets next_;
 };
 
 /// Copies the settings of the whole session from the first part.
@@ -114,7 +58,7 @@ void SessionMerger::Impl::copy_settings(const Session& session_part) {
 /// Positions of a part in the East-North-Up frame of the merged session.
 std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_part,
                                                        MergedSession& merged) {
-  std::vector<GnssPosition> positions = session_part.gnss();
+  const std::vector<GnssPosition> positions = session_part.gnss();
   if (positions.empty()) return positions;
   const auto datum = session_part.datum();
   if (!datum && parts_.empty()) return positions;
@@ -132,86 +76,45 @@ std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_pa
     }
     session().set_datum(*datum);
   }
-  const Pose T_new_old = enu_between(*session().datum(), *datum);
-  for (GnssPosition& position : positions) position = transformed_position(position, T_new_old);
-  return positions;
-}
-
-SessionMerger::Impl::Measurements SessionMerger::Impl::measurements_of(const Session& session_part,
-                                                                       MergedSession& merged) {
-  Measurements result;
-  result.gnss = by_stamp(gnss_of(session_part, merged));
-  result.imu = by_stamp(session_part.imu());
-  result.floors = by_stamp(session_part.floors());
-  for (const Loop& loop : session_part.loops())
-    result.loops.emplace(std::max(loop.from, loop.to), loop);
-  return result;
-}
-
-/// Copies records that the graph does not need but the report does.
-void SessionMerger::Impl::copy_records(const Session& session_part, const Offsets& offsets) {
-  Session::Batch batch(session());
-  for (session::ScanRecord scan : session_part.scans()) {
-    scan.stamp += offsets.stamp_offset;
-    session().add_scan(scan);
-  }
-  for (const auto& [stamp, pose] : session_part.odometry()) {
-    session().add_odometry(stamp + offsets.stamp_offset, pose);
-  }
-  for (const LoopVerdict& verdict : session_part.verdicts()) {
-    session().add_verdict(with_offsets(verdict, offsets));
-  }
-  batch.commit();
+  return gnss_in_frame_of(*session().datum(), session_part);
 }
 
 void SessionMerger::Impl::add(const Session& session_part) {
   if (parts_.empty()) copy_settings(session_part);
   MergedSession merged;
-  const std::vector<KeyFrame> key_frames = session_part.key_frames();
-  const Measurements measurements = measurements_of(session_part, merged);
-  Offsets offsets = next_;
-  offsets.stamp_offset = unique_stamp_offset(key_frames, stamps_);
-  merged.first = key_frames.empty() ? offsets.index : offsets.index + key_frames.front().index;
-  merged.key_frames = key_frames.size();
-  merged.stamp_offset = offsets.stamp_offset;
-  copy_records(session_part, offsets);
-  for (const KeyFrame& key_frame : key_frames) {
-    add_key_frame(key_frame, session_part, measurements, offsets, merged);
+  const std::vector<GnssPosition> gnss = gnss_of(session_part, merged);
+  PartOffsets offsets = next_;
+  offsets.stamp = unique_stamp_offset(session_part.key_frames(), stamps_);
+  const SessionPart part = read_part(session_part, offsets, gnss);
+  merged.first = part.key_frames.empty() ? offsets.index : part.key_frames.front().index;
+  merged.key_frames = part.key_frames.size();
+  merged.stamp_offset = offsets.stamp;
+  copy_records(session_part, offsets, session());
+  for (KeyFrame key_frame : part.key_frames) {
+    key_frame.cloud = session_part.clouds().cloud(key_frame.index - offsets.index);
+    add_key_frame(key_frame, part, merged);
   }
   solve(true);
   parts_.push_back(merged);
 }
 
-void SessionMerger::Impl::add_key_frame(KeyFrame key_frame, const Session& session_part,
-                                        const Measurements& measurements, const Offsets& offsets,
+void SessionMerger::Impl::add_key_frame(const KeyFrame& key_frame, const SessionPart& part,
                                         MergedSession& merged) {
-  const KeyFrameIndex own_index = key_frame.index;
-  const Stamp own_stamp = key_frame.stamp;
-  key_frame.cloud = session_part.clouds().cloud(own_index);
-  key_frame.index += offsets.index;
-  key_frame.segment += offsets.segment;
-  key_frame.stamp += offsets.stamp_offset;
   back_end_.add_key_frame(key_frame);
   stamps_.insert(key_frame.stamp);
   next_.index = key_frame.index + 1;
   next_.segment = key_frame.segment + 1;
-  add_shifted(measurements.gnss, own_stamp, offsets.stamp_offset,
-              [&](const GnssPosition& position) {
-                back_end_.add_gnss(position);
-                closer_.add_gnss(position);
-              });
-  add_shifted(measurements.imu, own_stamp, offsets.stamp_offset,
-              [&](const ImuSample& sample) { back_end_.add_imu(sample); });
-  add_shifted(measurements.floors, own_stamp, offsets.stamp_offset,
-              [&](const Floor& floor) { back_end_.add_floor(floor); });
+  add_measurements(part, key_frame.stamp, back_end_);
+  const auto position = part.gnss.find(key_frame.stamp);
+  if (position != part.gnss.end()) closer_.add_gnss(position->second);
   // Loop closing has already searched the first drive.
   if (parts_.empty()) {
     closer_.restore(key_frame);
   } else {
     search(key_frame, merged);
   }
-  const auto [begin, end] = measurements.loops.equal_range(own_index);
-  for (auto loop = begin; loop != end; ++loop) add_own_loop(with_offsets(loop->second, offsets));
+  const auto [begin, end] = part.loops.equal_range(key_frame.index);
+  for (auto loop = begin; loop != end; ++loop) add_own_loop(loop->second);
   if (!parts_.empty() && back_end_.optimization_due()) solve(false);
 }
 

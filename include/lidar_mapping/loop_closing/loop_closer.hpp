@@ -35,6 +35,9 @@ class LoopCloser {
   /// Sets the position of the LiDAR in base_link (m) for the free-space check. The default is the
   /// origin.
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
+  /// From now on, searches only for loops with key frames below this index: those of one drive are
+  /// searched in another one, and not again in their own.
+  void search_only_before(KeyFrameIndex end);
   /// Adds a key frame of an earlier run without searching for loops. After a restart, first all key
   /// frames are restored by increasing index, then the loops, positions and poses.
   void restore(const KeyFrame& key_frame);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "lidar_mapping/session/session.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// Offsets of a session in a graph of several, so that indices, segments and stamps are unique.
+struct PartOffsets {
+  KeyFrameIndex index = 0;    ///< added to the index of each key frame
+  std::uint32_t segment = 0;  ///< added to the segment of each key frame
+  Stamp stamp = 0;            ///< added to each stamp, ns
+};
+
+/// The loop with the indices and stamp that it has in the graph of several sessions.
+Loop with_offsets(Loop loop, const PartOffsets& offsets);
+/// The same for a verdict.
+LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets);
+
+/// Smallest stamp offset (ns) with which no key frame has one of the `known` stamps.
+Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known);
+
+/// What the graph needs of one session among several, with its offsets.
+struct SessionPart {
+  std::vector<KeyFrame> key_frames;          ///< by increasing index, without clouds
+  std::map<Stamp, GnssPosition> gnss;        ///< positions by stamp
+  std::map<Stamp, ImuSample> imu;            ///< samples by stamp
+  std::map<Stamp, Floor> floors;             ///< floors by stamp
+  std::multimap<KeyFrameIndex, Loop> loops;  ///< loops within the session, by the newer key frame
+};
+
+/// Reads a part. `gnss` are the positions to use, with stamps and frame of the session. Throws
+/// FileError.
+SessionPart read_part(const session::Session& session, const PartOffsets& offsets,
+                      const std::vector<GnssPosition>& gnss);
+
+/// Copies the records that the graph does not need but the report does: states of the scans,
+/// odometry at every scan, verdicts on loops. Throws FileError.
+void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to);
+
+/// Positions of a session in the East-North-Up frame of `datum`; none if the session does not know
+/// the datum of its own ones. Throws FileError.
+std::vector<GnssPosition> gnss_in_frame_of(const GeodeticDatum& datum,
+                                           const session::Session& session);
+
+/// Adds what a part has measured at this stamp to a BackEnd, RecordedBackEnd or the like.
+template <typename BackEnd>
+void add_measurements(const SessionPart& part, Stamp stamp, BackEnd& back_end) {
+  if (const auto at = part.gnss.find(stamp); at != part.gnss.end()) back_end.add_gnss(at->second);
+  if (const auto at = part.imu.find(stamp); at != part.imu.end()) back_end.add_imu(at->second);
+  if (const auto at = part.floors.find(stamp); at != part.floors.end()) {
+    back_end.add_floor(at->second);
+  }
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/pipeline/session_part.hpp"
+
+#include <algorithm>
+
+#include "datum.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+/// The values by their shifted stamp; of several with the same stamp the first.
+template <typename Value>
+std::map<Stamp, Value> shifted_by_stamp(const std::vector<Value>& values, Stamp offset) {
+  std::map<Stamp, Value> result;
+  for (Value value : values) {
+    value.stamp += offset;
+    result.emplace(value.stamp, value);
+  }
+  return result;
+}
+
+}  // namespace
+
+Loop with_offsets(Loop loop, const PartOffsets& offsets) {
+  loop.from += offsets.index;
+  loop.to += offsets.index;
+  loop.stamp += offsets.stamp;
+  return loop;
+}
+
+LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets) {
+  verdict.from += offsets.index;
+  verdict.to += offsets.index;
+  verdict.stamp += offsets.stamp;
+  return verdict;
+}
+
+Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known) {
+  Stamp offset = 0;
+  const auto is_known = [&](const KeyFrame& key_frame) {
+    return known.count(key_frame.stamp + offset) > 0;
+  };
+  while (std::any_of(key_frames.begin(), key_frames.end(), is_known)) ++offset;
+  return offset;
+}
+
+SessionPart read_part(const session::Session& session, const PartOffsets& offsets,
+                      const std::vector<GnssPosition>& gnss) {
+  SessionPart part;
+  part.key_frames = session.key_frames();
+  for (KeyFrame& key_frame : part.key_frames) {
+    key_frame.index += offsets.index;
+    key_frame.segment += offsets.segment;
+    key_frame.stamp += offsets.stamp;
+  }
+  part.gnss = shifted_by_stamp(gnss, offsets.stamp);
+  part.imu = shifted_by_stamp(session.imu(), offsets.stamp);
+  part.floors = shifted_by_stamp(session.floors(), offsets.stamp);
+  for (const Loop& own : session.loops()) {
+    const Loop loop = with_offsets(own, offsets);
+    part.loops.emplace(std::max(loop.from, loop.to), loop);
+  }
+  return part;
+}
+
+void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to) {
+  session::Session::Batch batch(to);
+  for (session::ScanRecord scan : from.scans()) {
+    scan.stamp += offsets.stamp;
+    to.add_scan(scan);
+  }
+  for (const auto& [stamp, pose] : from.odometry()) to.add_odometry(stamp + offsets.stamp, pose);
+  for (const LoopVerdict& verdict : from.verdicts()) {
+    to.add_verdict(with_offsets(verdict, offsets));
+  }
+  batch.commit();
+}
+
+std::vector<GnssPosition> gnss_in_frame_of(const GeodeticDatum& datum,
+                                           const session::Session& session) {
+  const auto own = session.datum();
+  if (!own) return {};
+  std::vector<GnssPosition> positions = session.gnss();
+  const Pose T_new_old = enu_between(datum, *own);
+  for (GnssPosition& position : positions) position = transformed_position(position, T_new_old);
+  return positions;
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Joins many drives step by step, each step from files to files: the jobs of map_city.
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+#include "city_files.hpp"
+#include "city_session.hpp"
+#include "config_path.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace lidar_mapping;
+using session::Session;
+
+struct Options {
+  std::vector<std::string> inputs;
+  std::string sessions;
+  std::string loops;
+  std::vector<double> datum;
+  std::string config;
+  std::string output;
+};
+
+Session opened(const fs::path& folder) { return Session::open(folder, Session::Access::kRead); }
+
+/// Parameters of a drive, overridden by the stage's file in --config.
+template <typename Config>
+Config make_config(const Options& options, const Session& drive) {
+  std::vector<config::Source> sources{pipeline::stored_configuration<Config>(drive)};
+  const std::string file = tools::stage_file(options.config, Config::schema().stage());
+  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
+  return config::load<Config>(sources);
+}
+
+std::string name_of(const fs::path& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+void check_names(const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto other =
+        std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
+    if (other == names.begin() + static_cast<std::ptrdiff_t>(i)) continue;
+    throw InputError("two drives have the name '" + names[i] +
+                     "'; give the folders of the sessions different names");
+  }
+}
+
+void describe(const Options& options) {
+  const std::string& folder = options.inputs.front();
+  const auto drive = city::describe_drive(opened(folder), name_of(folder));
+  city::write_pieces(drive, options.output);
+  std::printf("%s: %zu pieces\n", drive.drive.c_str(), drive.pieces.size());
+}
+
+void pair(const Options& options) {
+  std::vector<city::DrivePieces> drives;
+  std::vector<std::string> names;
+  for (const std::string& path : options.inputs) {
+    drives.push_back(city::read_pieces(path));
+    names.push_back(drives.back().drive);
+  }
+  check_names(names);
+  const auto chunks = city::find_chunks(drives);
+  city::write_chunks(chunks, options.output);
+  for (const city::Chunk& chunk : chunks) std::printf("%s\n", chunk.id.c_str());
+  std::printf("%zu drives, %zu chunks to search\n", drives.size(), chunks.size());
+}
+
+void search(const Options& options) {
+  const city::Chunk chunk = city::read_chunk(options.inputs.front());
+  const fs::path folder = options.sessions;
+  const Session a = opened(folder / chunk.a), b = opened(folder / chunk.b);
+  const auto found = city::search_chunk(
+      a, b, chunk, make_config<back_end::BackEndConfig>(options, a),
+      make_config<loop_closing::LoopClosingConfig>(options, a), fs::temp_directory_path());
+  city::write_loops(found, options.output);
+  std::printf("%s: %zu key frames searched for, %zu candidates, %zu loops\n", chunk.id.c_str(),
+              found.searched, found.verdicts.size(), found.loops.size());
+}
+
+/// The files of loops in a folder, in the order of their names.
+std::vector<city::PairLoops> loops_in(const std::string& folder) {
+  if (folder.empty()) return {};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".json") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<city::PairLoops> loops;
+  for (const fs::path& file : files) loops.push_back(city::read_loops(file));
+  return loops;
+}
+
+void print(const city::JoinedDrive& drive) {
+  std::printf("%s: %s, %zu key frames, loops to other drives: %zu used, %zu refused\n",
+              drive.name.c_str(), to_string(drive.state), drive.key_frames.size(), drive.loops.used,
+              drive.loops.refused);
+  for (const std::string& notice : drive.notices) std::printf("  %s\n", notice.c_str());
+}
+
+void join(const Options& options) {
+  std::vector<std::string> names;
+  for (const std::string& path : options.inputs) names.push_back(name_of(path));
+  check_names(names);
+  const auto config = make_config<back_end::BackEndConfig>(options, opened(options.inputs.front()));
+  std::optional<GeodeticDatum> datum;
+  if (!options.datum.empty()) datum = {options.datum[0], options.datum[1], options.datum[2]};
+  const city::JoinedCity joined = city::join_drives({options.inputs.begin(), options.inputs.end()},
+                                                    loops_in(options.loops), datum, config);
+  city::write_city(joined, config, options.output);
+  city::write_joined(joined, fs::path(options.output) / "city.json");
+  for (const city::JoinedDrive& drive : joined.drives) print(drive);
+}
+
+CLI::App* add_step(CLI::App& app, const std::string& name, const std::string& text,
+                   const std::string& inputs, Options& options, void (*run)(const Options&)) {
+  CLI::App* step = app.add_subcommand(name, text);
+  step->add_option("inputs", options.inputs, inputs)->required();
+  step->add_option("-o,--output", options.output, "what to write")->required();
+  step->callback([&options, run] { run(options); });
+  return step;
+}
+
+void add_arguments(CLI::App& app, Options& options) {
+  const auto with_config = [&options](CLI::App* step) {
+    step->add_option("--config", options.config,
+                     std::string(tools::kConfigHelp) +
+                         " (back_end, loop_closing); as in the first drive if left out");
+  };
+  add_step(app, "describe", "pieces of a drive, their boxes and appearance, to a file",
+           "folder of the session", options, describe);
+  add_step(app, "pairs", "which stretches of which drives to search, a file for each chunk",
+           "files of describe, a drive each", options, pair);
+  CLI::App* loops = add_step(app, "loops", "searches the loops of a chunk",
+                             "file of the chunk, of pairs", options, search);
+  loops->add_option("--sessions", options.sessions, "folder of the sessions of the drives")
+      ->required();
+  with_config(loops);
+  CLI::App* graph = add_step(app, "graph", "one pose graph and one session of all drives",
+                             "folders of the sessions", options, join);
+  graph->add_option("--loops", options.loops, "folder of the files of loops");
+  graph
+      ->add_option("--datum", options.datum,
+                   "origin of the map: latitude and longitude in degrees, height in m; that of the "
+                   "first drive that has one if left out")
+      ->expected(3);
+  with_config(graph);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Joins many drives step by step, each step from files to files"};
+  app.require_subcommand(1);
+  Options options;
+  add_arguments(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  } catch (const std::exception& error) {
+    std::cerr << "join_drives: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Holds scripts/map_city with commands that take no time: which jobs run, what is done again, bad recordings,
+kills at any moment, and the same through Snakemake where that is installed."""
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.dont_write_bytecode = True
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+from toy_programs import products_of, write_programs, write_project  # noqa: E402
+
+MAP_CITY = HERE.parents[1] / 'scripts' / 'map_city'
+THREE = {'a': 'good 1', 'b': 'good 2', 'c': 'good 3'}
+
+
+class MapCityTest(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        self.programs = write_programs(self.folder / 'programs')
+        self.environment = {**os.environ, 'TOY_LOG': str(self.folder / 'log'), 'HOME': str(self.folder)}
+
+    def words(self, project, *options):
+        return ['/usr/bin/python3', str(MAP_CITY), str(project), '--programs', str(self.programs), *options]
+
+    def run_city(self, project, *options, engine='--local', **environment):
+        words = self.words(project, *options, *([engine] if engine else []))
+        return subprocess.run(words, env={**self.environment, **environment}, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True)
+
+    def commands(self):
+        """Commands that have run since the last call."""
+        log = self.folder / 'log'
+        lines = log.read_text().splitlines() if log.exists() else []
+        log.write_text('')
+        return lines
+
+    def city(self, name, recordings, *options, **environment):
+        """A city that is there; the folder of its output."""
+        project = write_project(self.folder / name, recordings)
+        done = self.run_city(project, *options, **environment)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return self.folder / name / 'out'
+
+
+class Graph(MapCityTest):
+    def test_every_stage_runs_once(self):
+        output = self.city('one', THREE)
+        programs = [line.split()[0] if line.split()[0] != 'join_drives' else line.split()[1] for line in self.commands()]
+        self.assertEqual({name: programs.count(name) for name in set(programs)},
+                         {'check_bag': 3, 'map_bag': 3, 'describe': 3, 'map_quality': 4, 'pairs': 1, 'loops': 2,
+                          'graph': 1, 'build_map': 1})
+        self.assertIn('drives/a/report.html', (output / 'report.html').read_text())
+        self.assertFalse(list(output.rglob('.part/*')))
+
+    def test_nothing_is_done_twice(self):
+        self.city('one', THREE)
+        self.commands()
+        self.city('one', THREE)
+        self.assertEqual([line for line in self.commands()], [])
+
+    def test_a_drive_that_changed_is_mapped_again_and_its_chunks(self):
+        self.city('one', THREE)
+        self.commands()
+        self.city('one', {**THREE, 'c': 'good but longer'})
+        commands = ' '.join(self.commands())
+        self.assertIn('bags/c.bag', commands)
+        self.assertNotIn('map_bag ' + str(self.folder / 'one/bags/a.bag'), commands)
+        self.assertIn('b--c--000', commands)
+        self.assertNotIn('a--b--000', commands)
+
+    def test_other_products_need_no_other_graph(self):
+        self.city('one', THREE)
+        self.commands()
+        project = write_project(self.folder / 'one', THREE, 'map: {formats: [las]}\n')
+        self.assertEqual(self.run_city(project).returncode, 0)
+        self.assertEqual([line.split()[0] for line in self.commands()], ['build_map', 'map_quality'])
+
+    def test_the_number_of_jobs_changes_no_byte(self):
+        many = {f'd{number:02d}': f'good {number}' for number in range(8)}
+        self.assertEqual(products_of(self.city('one', many)), products_of(self.city('two', many, '--jobs', '4')))
+
+    def test_dry_run_and_status_do_nothing(self):
+        project = write_project(self.folder / 'one', THREE)
+        self.assertIn('map/a', self.run_city(project, '--dry-run').stdout)
+        self.assertIn('waiting', self.run_city(project, '--status').stdout)
+        self.assertEqual(self.commands(), [])
+        self.assertFalse((self.folder / 'one/out').exists())
+
+    def test_mistakes_are_one_line(self):
+        done = self.run_city(self.folder / 'none.yaml')
+        self.assertEqual((done.returncode, done.stdout.count('\n')), (1, 1))
+        project = write_project(self.folder / 'one', THREE)
+        for options in (('--jobs', '0'), ('--job', 'map/zebra'), ('--programs', '/nowhere')):
+            done = self.run_city(project, *options)
+            self.assertEqual((done.returncode, done.stdout.count('\n')), (1, 1), done.stdout)
+
+
+class BadRecordings(MapCityTest):
+    BAD = {**THREE, 'd': 'empty', 'e': 'crash', 'f': 'unreadable'}
+
+    def test_they_do_not_stop_the_others_and_are_named(self):
+        project = write_project(self.folder / 'bad', self.BAD)
+        done = self.run_city(project)
+        self.assertEqual(done.returncode, 4, done.stdout)
+        page = (self.folder / 'bad/out/report.html').read_text()
+        for text in ('d: failed: map_bag: no scan could be used', 'e: failed: map_bag ended with signal 11',
+                     'f: refused: check_bag: this is no bag'):
+            self.assertIn(text, done.stdout)
+            self.assertIn(text.split(': ', 2)[2], page)
+        good = {name: content for name, content in products_of(self.folder / 'bad/out').items() if name != 'report.json'}
+        alone = products_of(self.city('good', THREE))
+        alone.pop('report.json')
+        self.assertEqual(good, alone)
+
+    def test_they_are_not_tried_again_unless_asked(self):
+        project = write_project(self.folder / 'bad', self.BAD)
+        self.run_city(project)
+        self.commands()
+        self.assertEqual(self.run_city(project).returncode, 4)
+        self.assertEqual(self.commands(), [])
+        self.run_city(project, '--retry-failed')
+        self.assertEqual(sum(line.startswith('map_bag') for line in self.commands()), 2)
+
+    def test_no_good_recording_is_no_city(self):
+        project = write_project(self.folder / 'bad', {'d': 'empty'})
+        done = self.run_city(project)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn('no drive could be mapped', done.stdout)
+
+    def test_doubt_is_named(self):
+        done = self.run_city(write_project(self.folder / 'bad', {**THREE, 'd': 'doubtful'}))
+        self.assertEqual(done.returncode, 4)
+        self.assertIn('d: joined: parts of its own map cannot be trusted', done.stdout)
+
+    def test_a_job_that_is_killed_has_no_result(self):
+        project = write_project(self.folder / 'bad', {**THREE, 'd': 'killed'})
+        done = self.run_city(project)
+        self.assertEqual(done.returncode, 3, done.stdout)
+        self.assertFalse((self.folder / 'bad/out/jobs/map/d.json').exists())
+        (self.folder / 'bad/bags/d.bag').write_text('good now')
+        self.assertEqual(self.run_city(project).returncode, 0)
+
+
+class Kills(MapCityTest):
+    def kill_somewhere(self, words, generator, environment):
+        """Starts a run and kills one or all of its processes; False if it ended before."""
+        process = subprocess.Popen(words, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                   start_new_session=True)
+        time.sleep(generator.uniform(0.1, 1.5))
+        family = descendants(process.pid)
+        victims = [process.pid] if generator.random() < 0.5 else [process.pid, *family]
+        if family and generator.random() < 0.3:
+            victims = [generator.choice(family)]
+        for pid in victims:
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        return process.wait() != 0
+
+    def kill_and_go_on(self, engine, kills):
+        many = {f'd{number:02d}': f'good {number}' for number in range(4)}
+        expected = products_of(self.city('undisturbed', many))
+        generator = random.Random(1)
+        project = write_project(self.folder / 'killed', many)
+        environment = {**self.environment, 'TOY_SECONDS': '0.15'}
+        killed = 0
+        for _ in range(kills):
+            words = self.words(project, '--jobs', '2', *engine)
+            killed += self.kill_somewhere(words, generator, environment)
+        done = self.run_city(project, engine=engine[0] if engine else None)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(products_of(self.folder / 'killed/out'), expected)
+        self.assertGreater(killed, 1)
+
+    def test_any_moment_leads_to_the_same_bytes(self):
+        self.kill_and_go_on(['--local'], int(os.environ.get('CITY_KILLS', '6')))
+
+    @unittest.skipUnless(shutil.which('snakemake'), 'Snakemake is not installed')
+    def test_any_moment_with_snakemake(self):
+        self.kill_and_go_on([], int(os.environ.get('CITY_KILLS', '3')))
+
+
+def descendants(pid):
+    children = {}
+    for path in pathlib.Path('/proc').glob('[0-9]*/stat'):
+        try:
+            fields = path.read_text().rpartition(')')[2].split()
+        except OSError:
+            continue
+        children.setdefault(int(fields[1]), []).append(int(path.parent.name))
+    found, queue = [], [pid]
+    while queue:
+        new = children.get(queue.pop(), [])
+        found += new
+        queue += new
+    return found
+
+
+@unittest.skipUnless(shutil.which('snakemake'), 'Snakemake is not installed')
+class Snakemake(MapCityTest):
+    def test_it_leads_to_the_same_bytes(self):
+        bad = {**THREE, 'd': 'empty'}
+        local, by_engine = (write_project(self.folder / name, bad) for name in ('local', 'engine'))
+        self.assertEqual(self.run_city(local).returncode, 4)
+        done = self.run_city(by_engine, '--jobs', '2', engine=None)
+        self.assertEqual(done.returncode, 4, done.stdout)
+        self.assertEqual(products_of(self.folder / 'local/out'), products_of(self.folder / 'engine/out'))
+
+    def test_what_the_local_engine_has_done_is_done(self):
+        self.city('one', THREE)
+        self.commands()
+        done = self.run_city(self.folder / 'one/project.yaml', engine=None)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(self.commands(), [])
+
+    def test_a_submitting_command(self):
+        project = write_project(self.folder / 'one', THREE)
+        done = self.run_city(project, '--cluster', 'sh -c \'"$0" >/dev/null 2>&1 & echo $!\'', '--jobs', '2', engine=None)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(products_of(self.folder / 'one/out'), products_of(self.city('local', THREE)))
+
+
+if __name__ == '__main__':
+    unittest.main()

@@ -1,0 +1,112 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Holds scripts/city/project.py: what a project file means, and what each mistake in it is called."""
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / 'scripts'))
+from city.project import ProjectError, read_project  # noqa: E402
+
+
+class ProjectTest(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        for name in ('monday/a.bag', 'monday/b.bag', 'tuesday/a.bag', 'tuesday/c d.bag'):
+            (self.folder / name).parent.mkdir(exist_ok=True)
+            (self.folder / name).touch()
+
+    def read(self, text):
+        path = self.folder / 'project.yaml'
+        path.write_text(text)
+        return read_project(path)
+
+    def error(self, text):
+        with self.assertRaises(ProjectError) as caught:
+            self.read(text)
+        self.assertNotIn('\n', str(caught.exception))
+        return str(caught.exception)
+
+
+class Meaning(ProjectTest):
+    def test_each_match_of_a_pattern_is_a_drive(self):
+        project = self.read('recordings:\n  - path: monday/*.bag\n')
+        self.assertEqual(list(project.drives), ['a', 'b'])
+        self.assertEqual(project.drives['a'].paths, [self.folder / 'monday/a.bag'])
+        self.assertEqual(project.output, self.folder / 'city')
+
+    def test_a_list_is_one_drive_of_several_bags(self):
+        project = self.read('recordings:\n  - path: [monday/a.bag, monday/b.bag]\n    name: whole\n')
+        self.assertEqual(list(project.drives), ['whole'])
+        self.assertEqual(len(project.drives['whole'].paths), 2)
+
+    def test_equal_names_get_that_of_their_folder(self):
+        project = self.read('recordings:\n  - path: "*/*.bag"\n')
+        self.assertEqual(list(project.drives), ['monday_a', 'b', 'tuesday_a', 'c_d'])
+
+    def test_settings_of_a_recording_win_over_the_defaults(self):
+        project = self.read('defaults: {sensor: vlp16, start: 2, topics: {gnss: /fix}}\n'
+                            'recordings:\n  - path: monday/a.bag\n  - {path: monday/b.bag, sensor: hdl64e, duration: 5}\n')
+        self.assertEqual(project.drives['a'].map_arguments(),
+                         ['--sensor', 'vlp16', '--start', '2', '--gnss', '/fix'])
+        self.assertEqual(project.drives['b'].map_arguments(),
+                         ['--sensor', 'hdl64e', '--start', '2', '--duration', '5', '--gnss', '/fix'])
+
+    def test_a_calibration_becomes_parameters_that_win(self):
+        (self.folder / 'cal.yaml').write_text('preprocessing:\n  lidar_position: [1.0, 0.0, 1.8]\n  scan_period: 0.1\n')
+        project = self.read('recordings:\n  - {path: monday/a.bag, calibration: cal.yaml, parameters: ["map/a: 1"]}\n')
+        self.assertEqual(project.drives['a'].map_arguments(),
+                         ['--parameter', 'map/a: 1', '--parameter', 'preprocessing/lidar_position: [1.0, 0.0, 1.8]',
+                          '--parameter', 'preprocessing/scan_period: 0.1'])
+
+    def test_resources_keep_what_is_not_given(self):
+        project = self.read('recordings: [{path: monday/a.bag}]\nresources: {map: {mem_mb: 9000}}\n')
+        self.assertEqual(project.resources('map')['mem_mb'], 9000)
+        self.assertEqual(project.resources('map')['threads'], 2)
+
+
+class Mistakes(ProjectTest):
+    def test_unknown_keys(self):
+        self.assertIn("recordings[0].sensr: 'vlp16': there is no such key; write one of",
+                      self.error('recordings:\n  - {path: monday/a.bag, sensr: vlp16}\n'))
+        self.assertIn('colour: ', self.error('recordings: [{path: monday/a.bag}]\ncolour: red\n'))
+        self.assertIn('resources.map.memory: 1: ',
+                      self.error('recordings: [{path: monday/a.bag}]\nresources: {map: {memory: 1}}\n'))
+
+    def test_wrong_types(self):
+        one = 'recordings: [{path: monday/a.bag}]\n'
+        for text, message in ((one + 'datum: 3\n', 'datum: 3: write [latitude'),
+                              (one + 'datum: [95, 8, 1]\n', 'datum: [95, 8, 1]: write'),
+                              (one + 'map: {formats: [dxf]}\n', "map.formats: ['dxf']: write a list of pcd"),
+                              (one + 'map: {tile_size: -1}\n', 'map.tile_size: -1: write metres'),
+                              (one + 'reports: 1\n', 'reports: 1: write true or false'),
+                              (one + 'resources: {map: {threads: 0}}\n', 'resources.map.threads: 0: write'),
+                              ('recordings: [{path: monday/a.bag, start: true}]\n', 'start: True: write seconds'),
+                              ('recordings: 3\n', 'recordings: 3: write a list'),
+                              ('3\n', 'the project file: 3: is no list'),
+                              ('', 'the project file: nothing: is no list')):
+            with self.subTest(text):
+                self.assertIn(message, self.error(text))
+
+    def test_missing_files(self):
+        self.assertIn("recordings[0].path: 'friday/*.bag': nothing there matches", self.error('recordings: [{path: friday/*.bag}]\n'))
+        self.assertIn('there is no', self.error('recordings: [{path: [monday/a.bag, x.bag]}]\n'))
+        self.assertIn("recordings[0].config: 'none': there is no",
+                      self.error('recordings: [{path: monday/a.bag, config: none}]\n'))
+        self.assertIn("sensor: 'none.yaml': there is no", self.error('recordings: [{path: monday/a.bag, sensor: none.yaml}]\n'))
+        with self.assertRaisesRegex(ProjectError, "project: '/none.yaml': cannot be read"):
+            read_project('/none.yaml')
+
+    def test_text_that_is_no_yaml(self):
+        self.assertIn('is no YAML in line 3', self.error('recordings:\n  - path: [\n'))
+
+    def test_one_recording_twice(self):
+        self.assertIn('give one of them a "name"', self.error('recordings: [{path: monday/a.bag}, {path: monday/*.bag}]\n'))
+
+
+if __name__ == '__main__':
+    unittest.main()
