@@ -66,7 +66,8 @@ Pose rigid_pose(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d axes = matrix.topLeftCorner<3, 3>();
   const Eigen::Matrix3d products = axes.transpose() * axes;
   const double off = (products - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off < kMaxRotationError) || axes.determinant() < 0.0) {
+  // maxCoeff() may overlook NaN.
+  if (!matrix.topRows<3>().allFinite() || !(off < kMaxRotationError) || axes.determinant() < 0.0) {
     throw InputError("the matrix holds no rotation");
   }
   return Pose::from_matrix(matrix);

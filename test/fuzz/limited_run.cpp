@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "limited_run.hpp"
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iterator>
-#include <thread>
 
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "child_end.hpp"
+
 namespace lidar_mapping::test {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 void limit(__rlimit_resource resource, rlim_t value) {
   const rlimit limits{value, value};
@@ -43,32 +41,20 @@ void limit(__rlimit_resource resource, rlim_t value) {
   _exit(127);
 }
 
-/// Whether it ended by itself in time.
-bool wait_for(pid_t pid, Clock::time_point end, int& status) {
-  auto pause = std::chrono::milliseconds(1);
-  while (waitpid(pid, &status, WNOHANG) == 0) {
-    if (Clock::now() > end) return false;
-    std::this_thread::sleep_for(pause);
-    pause = std::min(pause * 2, std::chrono::milliseconds(50));
-  }
-  return true;
-}
-
 }  // namespace
 
 RunResult run_limited(const std::filesystem::path& program, const std::vector<std::string>& words,
                       const std::filesystem::path& output, unsigned seconds) {
   constexpr int kClockPerProcessor = 10;
-  const auto end = Clock::now() + std::chrono::seconds(kClockPerProcessor * seconds);
   const pid_t pid = fork();
   if (pid == 0) become(program.string(), words, output.string(), seconds);
   RunResult result;
-  int status = 0;
-  if (!wait_for(pid, end, status)) {
+  if (!test::ends_within(pid, kClockPerProcessor * seconds)) {
     result.hung = true;
     kill(pid, SIGKILL);
-    waitpid(pid, &status, 0);
   }
+  int status = 0;
+  waitpid(pid, &status, 0);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   if (WIFEXITED(status)) result.status = WEXITSTATUS(status);
   result.hung = result.hung || result.signal == SIGXCPU || result.signal == SIGKILL;

@@ -9,9 +9,10 @@
 #include <fcntl.h>
 #include <ros/master.h>
 #include <ros/param.h>
-#include <ros/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "child_end.hpp"
 
 namespace lidar_mapping::test {
 
@@ -60,18 +61,12 @@ void NodeProcess::end(int signal) {
 }
 
 int NodeProcess::wait(double seconds) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (pid_ > 0) {
-    int status = 0;
-    if (waitpid(pid_, &status, WNOHANG) == pid_) {
-      pid_ = -1;
-      status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    } else if (ros::WallTime::now() >= end) {
-      return -1;
-    } else {
-      ros::WallDuration(0.01).sleep();
-    }
-  }
+  if (pid_ < 0) return status_;
+  if (!ends_within(pid_, seconds)) return -1;
+  int status = 0;
+  waitpid(pid_, &status, 0);
+  pid_ = -1;
+  status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return status_;
 }
 

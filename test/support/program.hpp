@@ -11,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "child_end.hpp"
+
 namespace lidar_mapping::test {
 
 using Words = std::vector<std::string>;
@@ -38,11 +40,9 @@ class Program {
     pid_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
-  bool is_running() const {
-    siginfo_t info{};
-    return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           info.si_pid == 0;
-  }
+  /// Waits for its end, at most `seconds`; says whether it has ended.
+  bool ends_within(double seconds) const { return test::ends_within(pid_, seconds); }
+  bool is_running() const { return !ends_within(0.0); }
   std::string output() const {
     std::ifstream file(output_);
     return {std::istreambuf_iterator<char>(file), {}};

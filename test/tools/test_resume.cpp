@@ -22,10 +22,7 @@ class Resume : public test::MappedDrive {
   static bool is_killed_after(double seconds, const fs::path& folder) {
     Program program("map_bag", with_bag({"-o", folder, "--formats", "pcd,ply,png"}),
                     root() / "log");
-    const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-    while (program.is_running() && Clock::now() < end) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    program.ends_within(seconds);
     program.kill(SIGKILL);
     return program.wait() == 128 + SIGKILL;
   }

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "drive.hpp"
+#include "near.hpp"
+#include "verified_candidate.hpp"
+
+namespace lidar_mapping::loop_closing::test {
+namespace {
+
+using lidar_mapping::test::near;
+
+/// Key frames 10, 20, 30, ... at every second metre of a street.
+Trajectory street() {
+  Trajectory trajectory;
+  for (std::size_t i = 1; i <= 5; ++i) {
+    trajectory.append(key_frame(10 * i, planar(2.0 * static_cast<double>(i), 0.0, 0.0)));
+  }
+  return trajectory;
+}
+
+VerifiedCandidate verified_at(std::size_t node, double overlap, double violation,
+                              Verdict verdict = Verdict::kAccepted) {
+  VerifiedCandidate entry;
+  entry.candidate.node = node;
+  entry.match.figures.overlap = overlap;
+  entry.match.figures.free_space_violation = violation;
+  entry.decision = {verdict, "as it was"};
+  return entry;
+}
+
+std::vector<Verdict> verdicts_of(const std::vector<VerifiedCandidate>& entries) {
+  std::vector<Verdict> verdicts;
+  for (const VerifiedCandidate& entry : entries) verdicts.push_back(entry.decision.verdict);
+  return verdicts;
+}
+
+constexpr Verdict kYes = Verdict::kAccepted;
+constexpr Verdict kNo = Verdict::kRefused;
+constexpr Verdict kOpen = Verdict::kUndecided;
+
+TEST(RefuseAllButBest, KeepsTheLargestMargin) {
+  // Margins 0.7, 0.8 and 0.5: the largest overlap is not the best.
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.9, 0.1), verified_at(1, 0.82, 0.01),
+                                            verified_at(2, 0.5, 0.0)};
+  refuse_all_but_best(entries, street());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kNo, kYes, kNo}));
+  EXPECT_EQ(entries[1].decision.reason, "as it was");
+  for (const std::size_t other : {0, 2}) {
+    EXPECT_NE(entries[other].decision.reason.find("key frame 20"), std::string::npos)
+        << entries[other].decision.reason;
+  }
+}
+
+TEST(RefuseAllButBest, PrefersAcceptedMatchesAndLeavesOthersAsTheyAre) {
+  std::vector<VerifiedCandidate> entries = {
+      verified_at(0, 1.0, 0.0, kOpen), verified_at(1, 0.6, 0.0), verified_at(2, 1.0, 0.0, kNo)};
+  refuse_all_but_best(entries, street());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kOpen, kYes, kNo}));
+  for (const VerifiedCandidate& entry : entries) EXPECT_EQ(entry.decision.reason, "as it was");
+}
+
+TEST(RefuseAllButBest, KeepsOneOfTwoEqualMatches) {
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.8, 0.0), verified_at(1, 0.8, 0.0)};
+  refuse_all_but_best(entries, street());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kYes, kNo}));
+}
+
+TEST(RefuseAllButBest, AcceptsNoMatchesAtAll) {
+  std::vector<VerifiedCandidate> none;
+  refuse_all_but_best(none, street());
+  std::vector<VerifiedCandidate> undecided = {verified_at(0, 0.8, 0.0, kOpen)};
+  refuse_all_but_best(undecided, street());
+  EXPECT_EQ(verdicts_of(undecided), std::vector<Verdict>{kOpen});
+}
+
+TEST(IsConclusive, NeedsAnAcceptedMatchThatAgreesWithACertainEstimate) {
+  VerifiedCandidate entry = verified_at(1, 0.9, 0.0);
+  entry.candidate.prior.anchored = true;
+  entry.candidate.prior.sigma_horizontal = 0.5;
+  entry.candidate.prior.sigma_vertical = 0.1;
+  entry.candidate.prior.sigma_rotation = 0.02;
+  EXPECT_TRUE(is_conclusive(entry));
+  entry.decision.verdict = kOpen;
+  EXPECT_FALSE(is_conclusive(entry));
+  entry.decision.verdict = kYes;
+  entry.match.alignment.T_target_source = planar(5.0, 0.0, 0.0);
+  EXPECT_FALSE(is_conclusive(entry)) << "ten standard deviations from the estimate";
+}
+
+VerifiedCandidate complete_entry() {
+  VerifiedCandidate entry = verified_at(1, 0.9, 0.05);
+  entry.candidate.source = LoopSource::kGnss;
+  entry.candidate.prior.anchored = true;
+  entry.candidate.prior.T_from_to = planar(3.0, 4.0, 0.0);
+  entry.candidate.prior.sigma_horizontal = 1.0;
+  entry.candidate.prior.sigma_vertical = 1.0;
+  entry.candidate.prior.sigma_rotation = 0.1;
+  entry.match.alignment.T_target_source = planar(3.5, 4.0, 0.1);
+  entry.match.alignment.covariance = diagonal_covariance(0.03, 0.004);
+  entry.match.figures.fitness = 0.07;
+  entry.match.figures.horizontal_eigenvalue = 0.21;
+  return entry;
+}
+
+TEST(ToLoop, JoinsTheCandidateAndTheNewestKeyFrameAsMatched) {
+  LoopClosingConfig config;
+  config.min_stddev_x = 0.04;
+  config.min_stddev_q = 0.003;
+  const Trajectory trajectory = street();
+  const Loop loop = to_loop(complete_entry(), trajectory, config);
+  EXPECT_EQ(loop.from, 20U);
+  EXPECT_EQ(loop.to, 50U);
+  EXPECT_EQ(loop.stamp, trajectory[4].stamp);
+  EXPECT_EQ(loop.source, LoopSource::kGnss);
+  EXPECT_EQ(loop.fitness, 0.07);
+  EXPECT_EQ(loop.overlap, 0.9);
+  EXPECT_TRUE(near(loop.T_from_to, planar(3.5, 4.0, 0.1), 1e-12)) << "not the estimate before";
+  // 3-4-5: 0.03 m by the match and 0.04 m of the submap are 0.05 m; 4 and 3 mrad are 5 mrad.
+  EXPECT_TRUE(near(loop.covariance, diagonal_covariance(0.05, 0.005), 1e-12));
+}
+
+TEST(ToVerdict, HasTheFiguresOfTheMatchAndTheDistanceBeforeIt) {
+  const Trajectory trajectory = street();
+  VerifiedCandidate entry = complete_entry();
+  entry.decision = {kNo, "too little overlap"};
+  const LoopVerdict verdict = to_verdict(entry, trajectory);
+  EXPECT_EQ(verdict.from, 20U);
+  EXPECT_EQ(verdict.to, 50U);
+  EXPECT_EQ(verdict.stamp, trajectory[4].stamp);
+  EXPECT_EQ(verdict.source, LoopSource::kGnss);
+  EXPECT_EQ(verdict.verdict, kNo);
+  EXPECT_EQ(verdict.reason, "too little overlap");
+  EXPECT_DOUBLE_EQ(verdict.distance, 5.0) << "3-4-5, by the estimate";
+  EXPECT_EQ(verdict.fitness, 0.07);
+  EXPECT_EQ(verdict.overlap, 0.9);
+  EXPECT_EQ(verdict.free_space_violation, 0.05);
+  EXPECT_EQ(verdict.horizontal_eigenvalue, 0.21);
+  // 0.5 m of 1 m and 0.1 rad of 0.1 rad, if the least uncertainties of the prior are left out.
+  EXPECT_GT(verdict.innovation, 0.5);
+  EXPECT_LT(verdict.innovation, 0.25 + 1.0);
+}
+
+TEST(ConfirmedVerdict, NamesTheMatchThatConfirms) {
+  Loop early;
+  early.from = 4;
+  early.to = 90;
+  Loop late;
+  late.from = 15;
+  late.to = 120;
+  const LoopVerdict verdict = confirmed_verdict(early, late);
+  EXPECT_EQ(verdict.from, 4U);
+  EXPECT_EQ(verdict.to, 90U);
+  EXPECT_EQ(verdict.verdict, kYes);
+  EXPECT_NE(verdict.reason.find("key frames 15 and 120"), std::string::npos) << verdict.reason;
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing::test
