@@ -159,7 +159,7 @@ LIDAR_MAPPING_INLINE Floats moved(const float* row, const Coordinates& p) {
 }
 
 LIDAR_MAPPING_INLINE Coordinates moved_by(const float* transform, const Coordinates& p) {
-  return {moved(place, p), moved(place + 4, p), moved(place + 8, p)};
+  return {moved(transform, p), moved(transform + 4, p), moved(transform + 8, p)};
 }
 
 /// `since`: time since the middle of this slot, in slots.
