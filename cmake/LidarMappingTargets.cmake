@@ -27,6 +27,7 @@ endfunction()
 set(LIDAR_MAPPING_LIBRARIES
     lidar_mapping_common lidar_mapping_config lidar_mapping_preprocessing
     lidar_mapping_registration lidar_mapping_front_end lidar_mapping_loop_closing
+    lidar_mapping_localization
     lidar_mapping_pose_graph lidar_mapping_back_end lidar_mapping_moving_objects
     lidar_mapping_map lidar_mapping_map_quality lidar_mapping_session lidar_mapping_evaluation
     lidar_mapping_simulation lidar_mapping_pipeline lidar_mapping_ros)

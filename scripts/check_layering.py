@@ -22,6 +22,7 @@ STAGES = {
     'registration': ('Gaussian voxel maps, NDT, VGICP and the methods of PCL', CONFIGURED),
     'front_end': ('odometry: pose of each scan, key frames', MATCHING),
     'loop_closing': ('candidates for loops and their verification', MATCHING),
+    'localization': ('a drive found and followed in a finished map', MATCHING | {'loop_closing'}),
     'preprocessing': ('synchronisation, deskewing, filters, GNSS in local axes, floor', CONFIGURED),
     'pose_graph': ('any pose graph: factors, robust kernels, solvers, g2o files', {'common'}),
     'back_end': ('the graph of a drive: odometry, loops, GNSS, IMU, floor', CONFIGURED | {'pose_graph'}),

@@ -75,48 +75,61 @@ Key AppearanceIndex::key_of(std::size_t node) const {
   return key;
 }
 
-/// All nodes whose keys may be among the nearest, as far as the bounds of the coarse keys tell.
+/// All nodes whose keys may be among the `count` nearest, as far as the bounds of the coarse keys
+/// tell.
 std::vector<std::size_t> AppearanceIndex::possible_nearest(
-    const std::function<bool(std::size_t)>& is_admissible) const {
+    const CoarseKey& key, std::size_t count, const IsAdmissible& is_admissible) const {
   std::vector<std::pair<std::size_t, CoarseKey::Bounds>> bounds;
-  for (std::size_t node = 0; node + 1 < coarse_keys_.size(); ++node) {
+  for (std::size_t node = 0; node < coarse_keys_.size(); ++node) {
     if (!coarse_keys_[node] || !is_admissible(node)) continue;
-    bounds.emplace_back(node, coarse_keys_[node]->distance_to(*coarse_keys_.back()));
+    bounds.emplace_back(node, coarse_keys_[node]->distance_to(key));
   }
   std::vector<float> upper;
   for (const auto& [node, bound] : bounds) upper.push_back(bound.upper);
+  const bool are_all = upper.size() <= count;
+  const auto last = static_cast<std::ptrdiff_t>(count) - 1;
+  if (!are_all) std::nth_element(upper.begin(), upper.begin() + last, upper.end());
   std::vector<std::size_t> nodes;
-  if (upper.size() > kNearestKeys) {
-    std::nth_element(upper.begin(), upper.begin() + kNearestKeys - 1, upper.end());
-  }
   for (const auto& [node, bound] : bounds) {
-    if (upper.size() <= kNearestKeys || bound.lower <= upper[kNearestKeys - 1]) {
-      nodes.push_back(node);
-    }
+    if (are_all || bound.lower <= upper[count - 1]) nodes.push_back(node);
   }
   return nodes;
 }
 
-std::vector<std::size_t> AppearanceIndex::nearest_keys(
-    const std::function<bool(std::size_t)>& is_admissible) const {
-  const Key newest = key_of(coarse_keys_.size() - 1);
+std::vector<std::size_t> AppearanceIndex::nearest_keys(const Key& key, std::size_t count,
+                                                       const IsAdmissible& is_admissible) const {
   std::vector<Ranked> ranked;
-  for (const std::size_t node : possible_nearest(is_admissible)) {
-    ranked.push_back({(key_of(node) - newest).squaredNorm(), node});
+  for (const std::size_t node : possible_nearest(CoarseKey(key), count, is_admissible)) {
+    ranked.push_back({(key_of(node) - key).squaredNorm(), node});
   }
-  return best_of(std::move(ranked), kNearestKeys);
+  return best_of(std::move(ranked), count);
+}
+
+std::vector<std::size_t> AppearanceIndex::most_similar(const SpectrumDescriptor& descriptor,
+                                                       const std::vector<std::size_t>& nodes,
+                                                       std::size_t count) const {
+  std::vector<Ranked> ranked;
+  for (const std::size_t node : nodes) {
+    ranked.push_back({-(*this)[node]->descriptor.compare(descriptor).similarity, node});
+  }
+  return best_of(std::move(ranked), count);
 }
 
 std::vector<std::size_t> AppearanceIndex::similar_to_newest(
-    const std::function<bool(std::size_t)>& is_admissible) const {
+    const IsAdmissible& is_admissible) const {
   if (coarse_keys_.empty() || !coarse_keys_.back()) return {};
-  const Appearance newest = *(*this)[coarse_keys_.size() - 1];
-  std::vector<Ranked> ranked;
-  for (const std::size_t node : nearest_keys(is_admissible)) {
-    const auto comparison = (*this)[node]->descriptor.compare(newest.descriptor);
-    ranked.push_back({-comparison.similarity, node});
-  }
-  return best_of(std::move(ranked), kMaxSimilar);
+  const std::size_t newest = coarse_keys_.size() - 1;
+  const auto is_older = [&](std::size_t node) { return node < newest && is_admissible(node); };
+  return most_similar((*this)[newest]->descriptor,
+                      nearest_keys(key_of(newest), kNearestKeys, is_older), kMaxSimilar);
+}
+
+std::vector<std::size_t> AppearanceIndex::similar_to(const Appearance& appearance,
+                                                     std::size_t nearest, std::size_t count) const {
+  const auto all = [](std::size_t /*node*/) { return true; };
+  const std::vector<std::size_t> nodes =
+      nearest_keys(appearance.descriptor.key(), std::max<std::size_t>(1, nearest), all);
+  return most_similar(appearance.descriptor, nodes, count);
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/loop_closing/above_ground.hpp"
 
 #include "kd_tree.hpp"
 
@@ -29,9 +30,5 @@ class SurfaceCloud {
   mutable std::vector<Eigen::Vector3f> normals_;
   mutable std::vector<bool> is_known_;
 };
-
-/// For each point: true if it is more than 0.6 m above the lowest point within about 3.75 m, so
-/// that slopes also count as ground.
-std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points);
 
 }  // namespace lidar_mapping::loop_closing

@@ -70,9 +70,13 @@ TEST(AppearanceIndex, FindsARevisitedLocation) {
   for (const Pose& pose : along({{-100, 0}, {100, 0}}, 5.0)) {
     index.append(appearance_at(world, pose));
   }
-  index.append(appearance_at(world, planar(21.0, 3.5, kPi)));
+  const Appearance revisit = appearance_at(world, planar(21.0, 3.5, kPi));
+  const auto of_another_drive = index.similar_to(revisit, 25, 10);
+  EXPECT_EQ(index.similar_to(revisit, 5, 3).size(), 3U);
+  index.append(revisit);
   const auto similar = index.similar_to_newest([](std::size_t) { return true; });
   ASSERT_FALSE(similar.empty());
+  EXPECT_EQ(of_another_drive, similar);
   EXPECT_NEAR(static_cast<double>(similar.front()), 24.0, 1.0);
   EXPECT_LE(similar.size(), 10U);
 }

@@ -41,13 +41,21 @@ class AppearanceIndex {
   /// returns true are considered.
   std::vector<std::size_t> similar_to_newest(
       const std::function<bool(std::size_t)>& is_admissible) const;
+  /// At most `count` nodes that look most like an appearance which is not in the index, best first:
+  /// the `nearest` nodes by their keys are compared.
+  std::vector<std::size_t> similar_to(const Appearance& appearance, std::size_t nearest,
+                                      std::size_t count) const;
 
  private:
+  using IsAdmissible = std::function<bool(std::size_t)>;
   SpectrumDescriptor::Key key_of(std::size_t node) const;
-  std::vector<std::size_t> possible_nearest(
-      const std::function<bool(std::size_t)>& is_admissible) const;
-  std::vector<std::size_t> nearest_keys(
-      const std::function<bool(std::size_t)>& is_admissible) const;
+  std::vector<std::size_t> possible_nearest(const CoarseKey& key, std::size_t count,
+                                            const IsAdmissible& is_admissible) const;
+  std::vector<std::size_t> nearest_keys(const SpectrumDescriptor::Key& key, std::size_t count,
+                                        const IsAdmissible& is_admissible) const;
+  std::vector<std::size_t> most_similar(const SpectrumDescriptor& descriptor,
+                                        const std::vector<std::size_t>& nodes,
+                                        std::size_t count) const;
 
   std::filesystem::path directory_;
   std::unique_ptr<NamelessFile> file_;

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/localization/localizer.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
+
+#include "hypotheses.hpp"
+#include "map_parts.hpp"
+#include "place_finder.hpp"
+
+namespace lidar_mapping::localization {
+
+namespace {
+
+/// Added to the covariance of a match: the surfaces of the map are off by so much where it was
+/// made, whatever the number of points. Chosen: the range noise of a LiDAR; m, and rad (0.05
+/// degrees).
+constexpr double kMapNoise = 0.02;
+constexpr double kMapNoiseAngle = 0.0009;
+
+double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
+std::string sentence(Evidence evidence, const Agreement& agreement) {
+  const double shown = 100.0 * agreement.agreement;
+  const double coverage = 100.0 * agreement.coverage;
+  switch (evidence) {
+    case Evidence::kAgrees:
+      return formatted("the map shows %.0f %% of what stands here", shown);
+    case Evidence::kUnknown:
+      return formatted("the map knows %.0f %% of the surroundings; by odometry", coverage);
+    case Evidence::kContradicts:
+      break;
+  }
+  return formatted("the map shows %.0f %% of what stands here; by odometry", shown);
+}
+
+}  // namespace
+
+const char* to_string(LocalizationState state) {
+  switch (state) {
+    case LocalizationState::kSearching:
+      return "searching";
+    case LocalizationState::kFollowing:
+      return "following";
+    case LocalizationState::kBesideMap:
+      return "beside_map";
+    case LocalizationState::kLost:
+      break;
+  }
+  return "lost";
+}
+
+bool has_pose(LocalizationState state) {
+  return state == LocalizationState::kFollowing || state == LocalizationState::kBesideMap;
+}
+
+class Localizer::Impl {
+ public:
+  explicit Impl(MapIndex& map) : map_(map.parts()), finder_(map.parts()) {}
+
+  void set_initial_pose(const Pose& T_map_base) {
+    found_.reset();
+    finder_.restart();
+    claim_ = T_map_base;
+  }
+
+  LocalizationResult process(const LocalizerInput& input) {
+    check(input.scan.stamp);
+    const double way = move(input);
+    const ScanPoints points = sampler_.sample(input.scan.cloud, input.p_base_lidar);
+    LocalizationResult result = found_ ? follow(points, way) : search(input, points, way);
+    result.stamp = input.scan.stamp;
+    return result;
+  }
+
+ private:
+  void check(Stamp stamp) {
+    if (last_ && stamp <= *last_) {
+      throw InputError("the scan at " + std::to_string(stamp) + " ns is not after the one at " +
+                       std::to_string(*last_) + " ns; stamps must increase");
+    }
+    last_ = stamp;
+  }
+
+  /// Carries all along by odometry; returns the metres travelled.
+  double move(const LocalizerInput& input) {
+    if (!has_begun_) {
+      has_begun_ = true;
+      return 0.0;
+    }
+    if (!input.is_connected) return interrupt();
+    finder_.move(input.T_previous_base, input.covariance);
+    if (found_) found_->move(input.T_previous_base, input.covariance);
+    return input.T_previous_base.translation.norm();
+  }
+
+  /// Without odometry every place is possible.
+  double interrupt() {
+    if (found_) give_up("odometry was interrupted");
+    finder_.restart();
+    return 0.0;
+  }
+
+  LocalizationResult follow(const ScanPoints& points, double way) {
+    const Evidence evidence = found_->update(points, map_.surfaces, matcher_, way);
+    LocalizationResult result = described(*found_);
+    result.reason = sentence(evidence, found_->match().agreement);
+    result.state = evidence == Evidence::kAgrees ? LocalizationState::kFollowing
+                                                 : LocalizationState::kBesideMap;
+    if (!found_->is_refuted()) return result;
+    give_up(result.reason);
+    result.state = LocalizationState::kLost;
+    result.hypotheses = 0;
+    return result;
+  }
+
+  void give_up(const std::string& reason) {
+    found_.reset();
+    finder_.restart();
+    lost_because_ = reason;
+  }
+
+  LocalizationResult search(const LocalizerInput& input, const ScanPoints& points, double way) {
+    if (claim_) finder_.claim(*claim_);
+    claim_.reset();
+    const auto found = finder_.search(input, points, matcher_, way);
+    LocalizationResult result;
+    result.hypotheses = finder_.hypotheses().size();
+    if (const Hypothesis* best = finder_.hypotheses().best()) result = described(*best);
+    result.hypotheses = finder_.hypotheses().size();
+    result.probability = finder_.hypotheses().probability();
+    result.state = lost_because_ ? LocalizationState::kLost : LocalizationState::kSearching;
+    result.reason = lost_because_ ? "searching again: " + *lost_because_ : finder_.reason();
+    if (!found) return result;
+    found_ = *found;
+    finder_.restart();
+    lost_because_.reset();
+    result.state = LocalizationState::kFollowing;
+    result.reason = formatted("found at probability %.3f", result.probability);
+    return result;
+  }
+
+  static LocalizationResult described(const Hypothesis& place) {
+    LocalizationResult result;
+    result.T_map_base = place.estimate().T_map_base;
+    result.covariance =
+        place.estimate().covariance + diagonal_covariance(kMapNoise, kMapNoiseAngle);
+    result.probability = probability_of(place.log_odds());
+    result.agreement = place.match().agreement.agreement;
+    result.coverage = place.match().agreement.coverage;
+    result.hypotheses = 1;
+    return result;
+  }
+
+  MapParts& map_;
+  ScanSampler sampler_;
+  MapMatcher matcher_;
+  PlaceFinder finder_;
+  std::optional<Hypothesis> found_;
+  std::optional<Pose> claim_;  ///< of the next scan
+  std::optional<std::string> lost_because_;
+  std::optional<Stamp> last_;
+  bool has_begun_ = false;
+};
+
+Localizer::Localizer(MapIndex& map) : impl_(std::make_unique<Impl>(map)) {}
+Localizer::~Localizer() = default;
+
+void Localizer::set_initial_pose(const Pose& T_map_base) { impl_->set_initial_pose(T_map_base); }
+LocalizationResult Localizer::process(const LocalizerInput& input) { return impl_->process(input); }
+
+}  // namespace lidar_mapping::localization

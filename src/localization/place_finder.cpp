@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "place_finder.hpp"
+
+#include <algorithm>
+
+#include "lidar_mapping/common/text.hpp"
+
+namespace lidar_mapping::localization {
+
+namespace {
+
+/// Candidates that are verified with one scan, so that its time is bounded. Chosen.
+constexpr std::size_t kVerificationsPerScan = 2;
+/// A search follows the last one after this way (m) or so many scans. Chosen: it then sees the
+/// place from elsewhere, or with other noise.
+constexpr double kSearchWay = 1.0;
+constexpr int kSearchScans = 5;
+/// A place is certain from this probability on, if so many searches led to it. Chosen: two places
+/// that look alike have less than a half, and one search may lead to a wrong one.
+constexpr double kCertain = 0.99;
+constexpr int kLeastVerifications = 2;
+/// m around a claimed pose within which it is believed. Chosen: rviz is clicked better than that.
+constexpr double kClaimRadius = 20.0;
+/// Searches without a place near the claim, after which it is not believed any more. Chosen.
+constexpr int kClaimSearches = 2;
+
+double leaf_of(loop_closing::FilterMethod filter, double leaf) {
+  return filter == loop_closing::FilterMethod::kVoxel ? leaf : 0.0;
+}
+
+}  // namespace
+
+PlaceFinder::PlaceFinder(MapParts& map)
+    : map_(map),
+      recent_(
+          leaf_of(map.places.verification().map_filter, map.places.verification().map_leaf_size),
+          leaf_of(map.places.verification().scan_filter,
+                  map.places.verification().scan_leaf_size)) {}
+
+void PlaceFinder::restart() {
+  recent_.clear();
+  hypotheses_.clear();
+  candidates_.clear();
+  claim_.reset();
+  is_searching_ = false;
+  searches_ = 0;
+}
+
+void PlaceFinder::move(const Pose& T_previous_base, const Covariance6& covariance) {
+  T_start_base_ = T_start_base_ * T_previous_base;
+  for (Pose& candidate : candidates_) candidate = candidate * T_previous_base;
+  if (claim_) claim_->T_map_base = claim_->T_map_base * T_previous_base;
+  hypotheses_.move(T_previous_base, covariance);
+}
+
+std::optional<Hypothesis> PlaceFinder::search(const LocalizerInput& input, const ScanPoints& points,
+                                              MapMatcher& matcher, double way) {
+  recent_.add(input.scan.cloud, T_start_base_, input.p_base_lidar);
+  way_ += way;
+  ++scans_;
+  hypotheses_.update(points, map_.surfaces, matcher, way);
+  if (is_search_due()) begin_search();
+  if (is_searching_) verify_some();
+  return certain();
+}
+
+bool PlaceFinder::is_search_due() const {
+  if (is_searching_) return false;
+  return searches_ == 0 || way_ >= kSearchWay || scans_ >= kSearchScans;
+}
+
+/// Places that are possible already are verified again first; candidates for them are left out.
+void PlaceFinder::begin_search() {
+  way_ = 0.0;
+  scans_ = 0;
+  is_searching_ = true;
+  for (const Hypothesis& known : hypotheses_.all()) {
+    candidates_.push_back(known.estimate().T_map_base);
+  }
+  std::vector<Pose> found = map_.places.candidates(recent_.newest());
+  if (claim_) {
+    const auto near = map_.places.candidates_near(claim_->T_map_base, recent_.newest());
+    found.insert(found.begin(), near.begin(), near.end());
+  }
+  const std::vector<Pose> known(candidates_.begin(), candidates_.end());
+  for (const Pose& pose : found) {
+    const bool is_known = std::any_of(
+        known.begin(), known.end(), [&](const Pose& other) { return is_same_place(other, pose); });
+    if (!is_known) candidates_.push_back(pose);
+  }
+}
+
+void PlaceFinder::verify_some() {
+  map_.places.set_query(recent_.query());
+  for (std::size_t i = 0; i < kVerificationsPerScan && !candidates_.empty(); ++i) {
+    const auto verified = map_.places.verified(candidates_.front());
+    candidates_.pop_front();
+    if (verified) hypotheses_.verify(*verified);
+  }
+  if (candidates_.empty()) end_search();
+}
+
+void PlaceFinder::end_search() {
+  is_searching_ = false;
+  ++searches_;
+  if (!claim_) return;
+  Hypotheses near = hypotheses_;
+  near.keep_near(claim_->T_map_base, kClaimRadius);
+  if (near.size() > 0) {
+    hypotheses_ = near;
+  } else if (++claim_->searches >= kClaimSearches) {
+    claim_.reset();
+  }
+}
+
+/// No other place may be left that was not looked at.
+std::optional<Hypothesis> PlaceFinder::certain() const {
+  const Hypothesis* const best = hypotheses_.best();
+  if (best == nullptr || is_searching_ || claim_contradicts(*best)) return std::nullopt;
+  if (best->verifications() < kLeastVerifications) return std::nullopt;
+  if (hypotheses_.probability() < kCertain) return std::nullopt;
+  if (evidence_of(best->match()) != Evidence::kAgrees) return std::nullopt;
+  return *best;
+}
+
+bool PlaceFinder::claim_contradicts(const Hypothesis& place) const {
+  if (!claim_) return false;
+  return (place.estimate().T_map_base.translation - claim_->T_map_base.translation).norm() >
+         kClaimRadius;
+}
+
+std::string PlaceFinder::reason() const {
+  if (hypotheses_.size() == 0) return "no place of the map looks like this";
+  if (hypotheses_.size() == 1) return "one place is possible, to be confirmed";
+  return formatted("%zu places look alike; the way has to decide", hypotheses_.size());
+}
+
+}  // namespace lidar_mapping::localization

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "place_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/units.hpp"
+
+namespace lidar_mapping::localization {
+
+namespace {
+
+using loop_closing::Appearance;
+using loop_closing::ViewCorrelator;
+using loop_closing::ViewMatch;
+
+/// Places by their keys that are compared, and the most similar of them that are looked at from
+/// above. Chosen: several passes of a street have a key frame each two metres, and all places that
+/// look alike have to be among them.
+constexpr std::size_t kNearest = 200;
+constexpr std::size_t kSimilar = 40;
+/// Places that are verified in one search. Chosen: three streets alike with two passes each.
+constexpr std::size_t kMostCandidates = 8;
+
+// Two poses within these (m, m, rad) are one candidate. Chosen: the starting poses that views give
+// scatter by a metre, storeys are 2.5 m apart and more.
+constexpr double kSameDistance = 4.0;
+constexpr double kSameHeight = 1.5;
+constexpr double kSameHeading = 0.5;
+
+Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
+  Pose pose;
+  pose.translation << translation, 0.0;
+  pose.rotation = rotation_about_z(yaw);
+  return pose;
+}
+
+}  // namespace
+
+bool is_same_place(const Pose& a, const Pose& b) {
+  const Pose between = a.inverse() * b;
+  return between.translation.norm() < kSameDistance &&
+         std::abs(between.translation.z()) < kSameHeight &&
+         rotation_angle(between.rotation) < kSameHeading;
+}
+
+PlaceSearch::PlaceSearch(const loop_closing::LoopClosingConfig& verification, CloudSource& clouds,
+                         const std::vector<KeyFrame>& key_frames, std::vector<Pose> places,
+                         const Eigen::Vector3d& p_base_lidar,
+                         const std::filesystem::path& directory)
+    : verification_(verification),
+      places_(std::move(places)),
+      appearances_(directory),
+      verifier_(verification, clouds, key_frames, p_base_lidar) {}
+
+void PlaceSearch::append(const std::optional<Appearance>& appearance) {
+  appearances_.append(appearance);
+}
+
+/// Where the view from above agrees best at one of the two headings that the descriptors allow.
+PlaceSearch::Start PlaceSearch::start_at(std::size_t place, const Appearance& appearance,
+                                         const std::vector<Eigen::Vector2f>& cells) const {
+  const Appearance older = *appearances_[place];
+  const ViewCorrelator correlator(older.view);
+  const double yaw = older.descriptor.compare(appearance.descriptor).yaw;
+  Start best;
+  for (const double heading : {yaw, yaw + kPi}) {
+    const ViewMatch match = correlator.match(cells, heading);
+    if (match.score <= best.score) continue;
+    best = {places_[place] * planar_pose(match.translation, heading), match.score};
+  }
+  return best;
+}
+
+std::vector<Pose> PlaceSearch::candidates(const loop_closing::Points& points) const {
+  const Appearance appearance = loop_closing::appearance_of(points);
+  const std::vector<Eigen::Vector2f> cells = appearance.view.cells();
+  std::vector<Start> starts;
+  for (const std::size_t place : appearances_.similar_to(appearance, kNearest, kSimilar)) {
+    starts.push_back(start_at(place, appearance, cells));
+  }
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& a, const Start& b) { return a.score > b.score; });
+  std::vector<Pose> poses;
+  for (const Start& start : starts) {
+    const bool is_known = std::any_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+      return is_same_place(pose, start.T_map_base);
+    });
+    if (!is_known && poses.size() < kMostCandidates) poses.push_back(start.T_map_base);
+  }
+  return poses;
+}
+
+std::vector<Pose> PlaceSearch::candidates_near(const Pose& claimed,
+                                               const loop_closing::Points& points) const {
+  std::vector<Pose> poses{claimed};
+  const std::size_t place = nearest_place(claimed);
+  const auto older = appearances_[place];
+  if (!older) return poses;
+  const double heading = yaw_of(places_[place].rotation.conjugate() * claimed.rotation);
+  const ViewMatch match =
+      ViewCorrelator(older->view).match(loop_closing::appearance_of(points).view.cells(), heading);
+  poses.push_back(places_[place] * planar_pose(match.translation, heading));
+  return poses;
+}
+
+std::size_t PlaceSearch::nearest_place(const Pose& T_map_base) const {
+  // Heights count more, because another storey shows other surroundings.
+  const Eigen::Vector3d weights(1.0, 1.0, kSameDistance / kSameHeight);
+  const auto distance = [&](const Pose& place) {
+    return (place.translation - T_map_base.translation).cwiseProduct(weights).squaredNorm();
+  };
+  const auto nearest =
+      std::min_element(places_.begin(), places_.end(),
+                       [&](const Pose& a, const Pose& b) { return distance(a) < distance(b); });
+  return static_cast<std::size_t>(nearest - places_.begin());
+}
+
+std::optional<PoseEstimate> PlaceSearch::verified(const Pose& T_map_base_guess) {
+  const std::size_t place = nearest_place(T_map_base_guess);
+  const loop_closing::PlaceMatch match =
+      verifier_.match(place, places_[place].inverse() * T_map_base_guess);
+  if (!match.accepted) return std::nullopt;
+  return PoseEstimate{places_[place] * match.T_place_scan, match.covariance};
+}
+
+}  // namespace lidar_mapping::localization

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recent_scans.hpp"
+
+namespace lidar_mapping::localization {
+
+namespace {
+
+/// m between scans that are kept: the default of key_frame_distance, so that a query is as dense as
+/// one of loop closing.
+constexpr double kSpacing = 2.0;
+/// Scans before the newest one, as in submap_builder.hpp.
+constexpr std::size_t kEarlier = 2;
+
+loop_closing::Points thinned(const PointCloud& cloud, double leaf) {
+  loop_closing::VoxelMeans voxels;
+  voxels.reset(leaf);
+  for (const Point& point : cloud.points) voxels.add(point.position());
+  return voxels.points();
+}
+
+Eigen::Isometry3f isometry(const Pose& pose) {
+  Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
+  T.linear() = pose.rotation_matrix().cast<float>();
+  T.translation() = pose.translation.cast<float>();
+  return T;
+}
+
+}  // namespace
+
+void RecentScans::add(const PointCloud& cloud, const Pose& T_odom_base,
+                      const Eigen::Vector3d& p_base_lidar) {
+  const bool is_apart =
+      earlier_.empty() ||
+      (newest_.T_odom_base.translation - earlier_.back().T_odom_base.translation).norm() > kSpacing;
+  if (!newest_.points.empty() && is_apart) earlier_.push_back(std::move(newest_));
+  if (earlier_.size() > kEarlier) earlier_.pop_front();
+  newest_ = {thinned(cloud, map_leaf_), T_odom_base};
+  p_base_lidar_ = p_base_lidar;
+}
+
+loop_closing::PlaceQuery RecentScans::query() const {
+  loop_closing::VoxelMeans voxels;
+  voxels.reset(scan_leaf_);
+  for (const Eigen::Vector3f& p : newest_.points) voxels.add(p);
+  for (const Seen& seen : earlier_) {
+    const Eigen::Isometry3f T = isometry(newest_.T_odom_base.inverse() * seen.T_odom_base);
+    for (const Eigen::Vector3f& p : seen.points) voxels.add(T * p);
+  }
+  return {voxels.points(), newest_.points, p_base_lidar_};
+}
+
+}  // namespace lidar_mapping::localization

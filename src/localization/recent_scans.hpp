@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+
+#include "lidar_mapping/loop_closing/place_verifier.hpp"
+
+namespace lidar_mapping::localization {
+
+/// The last scans that are some way apart: together they are dense enough to be verified, also
+/// those of a sensor with few beams.
+class RecentScans {
+ public:
+  /// Edge of the voxels to which clouds are thinned: map_leaf_size and scan_leaf_size of loops, m.
+  RecentScans(double map_leaf, double scan_leaf) : map_leaf_(map_leaf), scan_leaf_(scan_leaf) {}
+
+  /// The newest scan in base_link, and its pose in a frame that odometry keeps.
+  void add(const PointCloud& cloud, const Pose& T_odom_base, const Eigen::Vector3d& p_base_lidar);
+  /// Forgets all scans.
+  void clear() { earlier_.clear(); }
+  /// The newest scan with those before it.
+  loop_closing::PlaceQuery query() const;
+  /// The newest scan alone, thinned as the key frames of the map.
+  const loop_closing::Points& newest() const { return newest_.points; }
+
+ private:
+  struct Seen {
+    loop_closing::Points points;
+    Pose T_odom_base;
+  };
+
+  double map_leaf_;
+  double scan_leaf_;
+  Seen newest_;
+  std::deque<Seen> earlier_;
+  Eigen::Vector3d p_base_lidar_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace lidar_mapping::localization

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan_points.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "lidar_mapping/common/voxel_index.hpp"
+#include "lidar_mapping/loop_closing/above_ground.hpp"
+
+#include "map_surfaces.hpp"
+
+namespace lidar_mapping::localization {
+
+namespace {
+
+/// m; one point per cube of this edge: the default of scan_resolution in the front end.
+constexpr float kCube = 0.8F;
+/// Points of a scan that are looked at. Chosen: cubes then have a point each, also with 16 beams.
+constexpr std::size_t kMostVisited = 40'000;
+/// m from the LiDAR, as in verification.cpp: beyond it points are too sparse to judge.
+constexpr float kJudgedRange = 40.0F;
+/// Slots of the table of cubes. Chosen: a power of two, twice the cubes of a scan at most.
+constexpr std::size_t kSlots = std::size_t{1} << 14;
+
+using Positions = std::vector<Eigen::Vector3f>;
+
+/// Points are visited with a step near the golden section of their number, so that any point of a
+/// cube may be the one that is taken.
+std::size_t scattering_step(std::size_t count) {
+  std::size_t step = count * 618 / 1000 + 1;  // the golden section, by definition
+  while (std::gcd(step, count) > 1) ++step;
+  return step;
+}
+
+registration::NdtPoints arrays_of(const Positions& points, const Eigen::Vector3f& viewpoint) {
+  std::vector<float> x, y, z;
+  for (const Eigen::Vector3f& p : points) {
+    x.push_back(p.x());
+    y.push_back(p.y());
+    z.push_back(p.z());
+  }
+  registration::NdtPoints result;
+  result.assign(x, y, z, std::vector<float>(x.size(), 0.0F), viewpoint);
+  return result;
+}
+
+}  // namespace
+
+/// A cube that finds no free slot counts as known: a full table only drops points.
+bool ScanSampler::is_new_cube(const Eigen::Vector3f& p) {
+  const VoxelKey key = voxel_key(voxel_index(p / kCube));
+  std::size_t slot = VoxelKeyHash()(key) % kSlots;
+  constexpr int kProbes = 8;  // chosen: at half load nearly every key finds its slot
+  for (int probe = 0; probe < kProbes; ++probe, slot = (slot + 1) % kSlots) {
+    if (cubes_[slot] == key) return false;
+    if (cubes_[slot] != 0) continue;
+    cubes_[slot] = key;
+    return true;
+  }
+  return false;
+}
+
+ScanPoints ScanSampler::sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar) {
+  cubes_.assign(kSlots, 0);
+  const Eigen::Vector3f viewpoint = p_base_lidar.cast<float>();
+  Positions all, near, structure;
+  const std::size_t step = scattering_step(cloud.size());
+  const std::size_t visited = std::min(cloud.size(), kMostVisited);
+  for (std::size_t k = 0, i = 0; k < visited; ++k, i = (i + step) % cloud.size()) {
+    const Eigen::Vector3f p = cloud.points[i].position();
+    const float squared_range = (p - viewpoint).squaredNorm();
+    if (!(squared_range < kMaxRange * kMaxRange) || !is_new_cube(p)) continue;  // also not NaN
+    all.push_back(p);
+    if (squared_range < kJudgedRange * kJudgedRange) near.push_back(p);
+  }
+  const std::vector<bool> is_above = loop_closing::above_ground(near);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (is_above[i]) structure.push_back(near[i]);
+  }
+  return {arrays_of(all, viewpoint), arrays_of(near, viewpoint), arrays_of(structure, viewpoint)};
+}
+
+}  // namespace lidar_mapping::localization

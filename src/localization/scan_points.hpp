@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/registration/ndt_points.hpp"
+
+namespace lidar_mapping::localization {
+
+/// The points of a scan that are matched with the map.
+struct ScanPoints {
+  registration::NdtPoints all;  ///< one for each cube, in base_link
+  /// Those of them within 40 m, by which is judged whether the map knows the place.
+  registration::NdtPoints near;
+  /// Those of `near` that stand above the ground, by which places are told apart.
+  registration::NdtPoints structure;
+};
+
+/// Takes the points of scans that are matched. Keeps scratch memory only.
+class ScanSampler {
+ public:
+  /// Samples a cloud in base_link that was measured from `p_base_lidar` (m).
+  ScanPoints sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar);
+
+ private:
+  bool is_new_cube(const Eigen::Vector3f& p);
+
+  std::vector<std::uint64_t> cubes_;  ///< flat hash table of keys
+};
+
+}  // namespace lidar_mapping::localization

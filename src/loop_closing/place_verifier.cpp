@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/loop_closing/place_verifier.hpp"
+
+#include "lidar_mapping/loop_closing/above_ground.hpp"
+
+#include "scan_alignment.hpp"
+#include "submap_builder.hpp"
+#include "verified_candidate.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+class PlaceVerifier::Impl {
+ public:
+  Impl(const LoopClosingConfig& config, CloudSource& clouds,
+       const std::vector<KeyFrame>& key_frames, const Eigen::Vector3d& p_base_lidar)
+      : config_(config), submaps_(config, clouds), alignment_(config) {
+    submaps_.set_sensor_origin(p_base_lidar);
+    for (const KeyFrame& key_frame : key_frames) trajectory_.append(key_frame);
+  }
+
+  void set_query(const PlaceQuery& query) {
+    query_.points = query.surroundings;
+    query_.above_ground = above_ground(query_.points);
+    query_.image = FreeSpaceImage(query.scan, query.p_base_lidar.cast<float>());
+  }
+
+  PlaceMatch match(std::size_t place, const Pose& T_place_scan_guess) {
+    const auto submap = submaps_.around(trajectory_, place);
+    if (submap == nullptr) return {{}, Covariance6::Identity(), 0.0, false, kNoCloud};
+    Candidate candidate;
+    candidate.node = place;
+    candidate.source = LoopSource::kAppearance;
+    candidate.T_from_to = T_place_scan_guess;
+    const VerifiedCandidate result = verified(candidate, query_, *submap, config_, alignment_);
+    const Alignment& alignment = result.match.alignment;
+    return {alignment.T_target_source,
+            alignment.covariance + diagonal_covariance(config_.min_stddev_x, config_.min_stddev_q),
+            result.margin(), result.decision.verdict == Verdict::kAccepted, result.decision.reason};
+  }
+
+ private:
+  const LoopClosingConfig config_;
+  Trajectory trajectory_;
+  SubmapBuilder submaps_;
+  ScanAlignment alignment_;
+  QueryScan query_;
+};
+
+PlaceVerifier::PlaceVerifier(const LoopClosingConfig& config, CloudSource& clouds,
+                             const std::vector<KeyFrame>& key_frames,
+                             const Eigen::Vector3d& p_base_lidar)
+    : impl_(std::make_unique<Impl>(config, clouds, key_frames, p_base_lidar)) {}
+PlaceVerifier::~PlaceVerifier() = default;
+
+void PlaceVerifier::set_query(const PlaceQuery& query) { impl_->set_query(query); }
+PlaceMatch PlaceVerifier::match(std::size_t place, const Pose& T_place_scan_guess) {
+  return impl_->match(place, T_place_scan_guess);
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "hypotheses.hpp"
+#include "near.hpp"
+#include "toy_map.hpp"
+
+namespace lidar_mapping::localization::test {
+namespace {
+
+using lidar_mapping::test::near;
+
+PoseEstimate at(double x) { return {planar(x, 0.0, 0.0), diagonal_covariance(0.1, 0.01)}; }
+
+TEST(Hypotheses, AreOneForEachPlace) {
+  Hypotheses hypotheses;
+  hypotheses.verify(at(0.0));
+  hypotheses.verify(at(100.0));
+  hypotheses.verify(at(0.5));
+  ASSERT_EQ(hypotheses.size(), 2U);
+  EXPECT_EQ(hypotheses.best()->verifications(), 2);
+  EXPECT_NEAR(hypotheses.best()->estimate().T_map_base.translation.x(), 0.5, 1e-9);
+}
+
+TEST(Hypotheses, ShareTheProbability) {
+  Hypotheses hypotheses;
+  EXPECT_EQ(hypotheses.probability(), 0.0);
+  EXPECT_EQ(hypotheses.best(), nullptr);
+  hypotheses.verify(at(0.0));
+  const double alone = hypotheses.probability();
+  EXPECT_GT(alone, 0.8);
+  EXPECT_LT(alone, 0.95);  // one verification is never certain
+  hypotheses.verify(at(100.0));
+  EXPECT_LT(hypotheses.probability(), 0.5);
+}
+
+TEST(Hypotheses, MoveWithOdometryAndBecomeLessCertain) {
+  Hypotheses hypotheses;
+  hypotheses.verify({planar(0.0, 0.0, 1.0), diagonal_covariance(0.1, 0.01)});
+  const Pose motion = planar(2.0, 0.0, 0.2);
+  hypotheses.move(motion, diagonal_covariance(0.05, 0.01));
+  const PoseEstimate& moved = hypotheses.best()->estimate();
+  EXPECT_TRUE(near(moved.T_map_base, planar(0.0, 0.0, 1.0) * motion, 1e-9));
+  EXPECT_GT(moved.covariance(0, 0), 0.1 * 0.1 + 0.05 * 0.05);
+}
+
+TEST(Hypotheses, NearAClaimAreKept) {
+  Hypotheses hypotheses;
+  hypotheses.verify(at(0.0));
+  hypotheses.verify(at(100.0));
+  hypotheses.keep_near(planar(90.0, 0.0, 0.0), 20.0);
+  ASSERT_EQ(hypotheses.size(), 1U);
+  EXPECT_NEAR(hypotheses.best()->estimate().T_map_base.translation.x(), 100.0, 1e-9);
+}
+
+MapMatch match_with(double coverage, double agreement, bool converged = true) {
+  MapMatch match;
+  match.converged = converged;
+  match.agreement = {coverage, agreement};
+  return match;
+}
+
+TEST(Evidence, IsWhatTheMapSays) {
+  EXPECT_EQ(evidence_of(match_with(0.8, 0.6)), Evidence::kAgrees);
+  EXPECT_EQ(evidence_of(match_with(0.8, 0.1)), Evidence::kContradicts);
+  EXPECT_EQ(evidence_of(match_with(0.1, 0.9)), Evidence::kUnknown);
+  EXPECT_EQ(evidence_of(match_with(0.8, 0.7, false)), Evidence::kContradicts);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::localization::test

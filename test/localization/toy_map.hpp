@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lidar_mapping/localization/localizer.hpp"
+
+#include "toy_world.hpp"
+
+namespace lidar_mapping::localization::test {
+
+using loop_closing::test::along;
+using loop_closing::test::DriveClouds;
+using loop_closing::test::make_town;
+using loop_closing::test::planar;
+using loop_closing::test::ToyWorld;
+
+/// What a perfect mapping makes of key frames at these poses.
+inline MapSource source_of(const std::vector<Pose>& poses) {
+  MapSource source;
+  source.p_base_lidar = ToyWorld::sensor();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    KeyFrame key_frame;
+    key_frame.index = static_cast<KeyFrameIndex>(i);
+    key_frame.stamp = from_seconds(static_cast<double>(i));
+    key_frame.T_odom_base = poses[i];
+    source.key_frames.push_back(key_frame);
+    source.poses.poses.push_back({key_frame.index, key_frame.stamp, poses[i]});
+  }
+  return source;
+}
+
+/// The map of a world, made along a path.
+class ToyMap {
+ public:
+  ToyMap(const ToyWorld& world, const std::vector<Pose>& path)
+      : clouds_(world, path), index_(source_of(path), clouds_, {}) {}
+  MapIndex& index() { return index_; }
+
+ private:
+  DriveClouds clouds_;
+  MapIndex index_;
+};
+
+/// A vehicle in a world that localises itself, scan by scan.
+class Vehicle {
+ public:
+  Vehicle(const ToyWorld& world, MapIndex& map) : world_(world), localizer_(map) {}
+
+  Localizer& localizer() { return localizer_; }
+  /// Goes on to a pose; odometry tells so, unless it is said to be another motion.
+  LocalizationResult go_to(const Pose& truth, const std::optional<Pose>& felt = std::nullopt) {
+    LocalizerInput input;
+    input.scan = {from_seconds(0.1 * ++scans_), world_.scan(truth, 1000U + seed())};
+    input.T_previous_base = felt.value_or(last_.inverse() * truth);
+    input.covariance = diagonal_covariance(0.01, 0.0005);
+    input.is_connected = is_connected_;
+    input.p_base_lidar = ToyWorld::sensor();
+    is_connected_ = true;
+    last_ = truth;
+    return localizer_.process(input);
+  }
+  std::vector<LocalizationResult> drive(const std::vector<Pose>& path) {
+    std::vector<LocalizationResult> results;
+    for (const Pose& pose : path) results.push_back(go_to(pose));
+    return results;
+  }
+  /// Odometry does not lead to the next scan.
+  void interrupt() { is_connected_ = false; }
+
+ private:
+  std::uint32_t seed() const { return static_cast<std::uint32_t>(scans_); }
+
+  const ToyWorld& world_;
+  Localizer localizer_;
+  Pose last_;
+  int scans_ = 0;
+  bool is_connected_ = true;
+};
+
+}  // namespace lidar_mapping::localization::test
