@@ -112,11 +112,10 @@ std::vector<PieceId> similar_places(const Place& query, const std::vector<Place>
     const double distance = distance_between(*query.key, *places[i].key);
     if (distance < kMaxDistance) nearest.emplace_back(distance, i);
   }
-  const std::size_t count = std::min(kNearestPlaces, nearest.size());
-  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count),
-                    nearest.end());
+  std::sort(nearest.begin(), nearest.end());
+  if (nearest.size() > kNearestPlaces) nearest.resize(kNearestPlaces);
   std::vector<PieceId> result;
-  for (std::size_t i = 0; i < count; ++i) result.push_back(places[nearest[i].second].piece);
+  for (const auto& [distance, place] : nearest) result.push_back(places[place].piece);
   return result;
 }
 

@@ -18,8 +18,8 @@ sys.path.insert(0, str(HERE))
 from toy_programs import products_of as all_files_of  # noqa: E402
 
 MAP_CITY = HERE.parents[1] / 'scripts' / 'map_city'
-# Name, begin and end of the drive in the town (s), day, further options: the second one has no GNSS.
-DRIVES = (('monday', 0, 12, 0, ()), ('tuesday', 4, 16, 1, ('--no-gnss',)), ('wednesday', 2, 14, 2, ()))
+# Name, begin and end of the drive in the town (s), day. They are too short to be joined without GNSS.
+DRIVES = (('monday', 0, 12, 0), ('tuesday', 4, 16, 1), ('wednesday', 2, 14, 2))
 LARGEST_ERROR = 0.15  # m, RMSE after alignment
 INCOMPLETE = 4
 
@@ -32,9 +32,9 @@ def run(*words, good=(0,)):
 
 
 def simulate(programs, folder):
-    for name, begin, end, day, more in DRIVES:
+    for name, begin, end, day in DRIVES:
         run(programs / 'simulate_drive', folder / f'{name}.bag', '--lidar', 'vlp16', '--seed', 13, '--pass', day, '--start',
-            begin, '--duration', end, '--truth', folder / f'{name}.tum', *more)
+            begin, '--duration', end, '--truth', folder / f'{name}.tum')
     (folder / 'broken.bag').write_text('this is no bag')
 
 
