@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -83,8 +84,8 @@ TEST(SweepTimes, AreTakenFromTheirSource) {
   PointCloud cloud;
   for (int i = 0; i < 4; ++i) cloud.points.push_back(point_at(i / 4.0));
   EXPECT_TRUE(sweep_times(cloud, rule(SweepTimes::kAsGiven)).empty());
-  EXPECT_NEAR(sweep_times(cloud, rule(SweepTimes::kByPosition))[3], 0.075, 1e-6);
-  EXPECT_NEAR(sweep_times(cloud, rule(SweepTimes::kByAzimuth))[3], 0.075, 1e-6);
+  EXPECT_NEAR(sweep_times(cloud, rule(SweepTimes::kByPosition))[3], 0.025, 1e-6);
+  EXPECT_NEAR(sweep_times(cloud, rule(SweepTimes::kByAzimuth))[3], 0.025, 1e-6);
   cloud.times = {0.0F, 0.1F, 0.2F, 0.3F};
   EXPECT_EQ(sweep_times(cloud, rule(SweepTimes::kAsGiven)), cloud.times);
   EXPECT_EQ(sweep_times(cloud, rule(SweepTimes::kNegated))[2], -0.2F);
@@ -97,9 +98,9 @@ TEST(SweepTimes, HaveAMessageUnlessTheyAreAsGiven) {
   EXPECT_NE(sweep_times_message(rule(SweepTimes::kByAzimuth)).find("azimuth"), std::string::npos);
   const std::string known =
       sweep_times_message({SweepTimes::kByAzimuth, 0.104, SensorRotation{true, kPi}});
-  EXPECT_NE(
-      known.find("scan_direction: CLOCKWISE, scan_start_azimuth_deg: 180, scan_period: 0.104"),
-      std::string::npos)
+  EXPECT_NE(known.find("scan_stamp: MIDDLE, scan_direction: CLOCKWISE, scan_start_azimuth_deg: "
+                       "180, scan_period: 0.104"),
+            std::string::npos)
       << known;
   EXPECT_NE(sweep_times_message(rule(SweepTimes::kByPosition)).find("order of the points"),
             std::string::npos);
@@ -147,9 +148,12 @@ TEST_P(PointTimes, AreFoundOut) {
   EvaluatedDrive ride(drive);
   Pose T_map_last, T_odom_last;
   bool was_found = false;
+  // The simulated stamps are those of the begin. Without times they count as those of the middle.
+  const bool has_times = std::string(GetParam().fault) != "times=none";
+  const Stamp pose_after_stamp = from_seconds(has_times ? 0.0 : 0.5 * kDuration);
   for (std::size_t i = GetParam().first; i < drive.scan_count(); ++i) {
     const FrontEndResult& result = ride.process(i);
-    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
+    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i) + pose_after_stamp);
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
                        (T_odom_last.inverse() * result.T_odom_base);
     if (was_found) {

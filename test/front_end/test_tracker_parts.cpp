@@ -173,13 +173,13 @@ TEST(LocalMapper, RefinesAMapInARoomOnceItIsFilled) {
   Insertions room(3.0, 20000);
   const auto scale = [&] { return room.state().map.fine().resolution() / room.voxel_size(); };
   const auto insert_scan = [&](int i) { return room.insert_at(2.1 * (i % 2)); };
-  for (int i = 0; i < 19; ++i) ASSERT_TRUE(insert_scan(i));
+  for (int i = 0; i < 9; ++i) ASSERT_TRUE(insert_scan(i));
   EXPECT_EQ(scale(), 1.0);
-  EXPECT_TRUE(insert_scan(19));
+  EXPECT_TRUE(insert_scan(9));
   EXPECT_EQ(scale(), 0.5);
   const std::size_t voxels = room.state().map.fine().size();
   EXPECT_GT(voxels, 100U);
-  for (int i = 20; i < 60; ++i) EXPECT_TRUE(insert_scan(i));
+  for (int i = 10; i < 50; ++i) EXPECT_TRUE(insert_scan(i));
   EXPECT_EQ(scale(), 0.5);
   EXPECT_LT(room.state().map.fine().size(), voxels + voxels / 10) << "all were in it before";
 }

@@ -34,9 +34,12 @@ constexpr double kIndoorVoxelScale = 0.5;
 /// with it the errors of 16 beams are half as large, and those of 64 beams the same.
 constexpr double kPointsForSmallVoxels = 90000.0;
 /// A map in a room is young until so many scans were inserted. Measured with 16 beams
-/// (doc/results/front_end.md): the same with 10 and 20; never, a drive of 25 s drifts six times as
-/// much.
-constexpr std::size_t kScansOfYoungMap = 20;
+/// (doc/results/front_end.md): the same errors with 10 and 20, but false alarms after 20; never, a
+/// drive of 25 s drifts six times as much.
+constexpr std::size_t kScansOfYoungMap = 10;
+/// One of so many of their points is matched when the map is built anew. Chosen: as many as in a
+/// match of the odometry.
+constexpr std::size_t kRefinementThinning = 4;
 
 /// Up to this distance from its start (in voxels), the map counts as a map of a single place.
 /// Chosen; half and twice of it move nothing (doc/results/ablation.md).
@@ -49,6 +52,25 @@ double scan_density(const Scan& scan) {
 double indoor_voxel_scale(const Scan& scan) {
   const double ratio = kPointsForSmallVoxels / static_cast<double>(scan.cloud.size());
   return std::clamp(kIndoorVoxelScale * std::sqrt(ratio), kIndoorVoxelScale, 1.0);
+}
+
+/// Prior of a motion that was found with large voxels: their errors (0.1 m, 0.02 rad), and twists
+/// that stay as they are. Chosen above what steps in young maps are off by.
+registration::MotionBelief young_motion(const MotionState& motion) {
+  registration::MotionBelief belief{motion, Matrix12d::Zero()};
+  belief.information.diagonal() << Eigen::Vector3d::Constant(1.0 / (0.1 * 0.1)),
+      Eigen::Vector3d::Constant(1.0 / (0.02 * 0.02)), Vector6d::Constant(1e4);
+  return belief;
+}
+
+/// The motion with which the points fit to the map.
+MotionState matched(const SampledPoints& points, const MotionState& motion,
+                    registration::NdtMatcher& matcher, LocalMap& map) {
+  registration::NdtPoints all, some;
+  all.assign(points.x, points.y, points.z, points.s, points.viewpoint);
+  some.assign_thinned(all, kRefinementThinning);
+  const auto match = matcher.match(some, map.fine(), young_motion(motion), motion, {});
+  return match.converged ? match.state : motion;
 }
 
 KeyFrameRule insertion_rule(double scan_density) {
@@ -113,12 +135,19 @@ void LocalMapper::insert_at(const MotionState& motion, const SampledPoints& poin
   map.insert(points, motion);
 }
 
-/// Builds the map anew with small voxels as soon as there are scans to fill them.
+/// Builds the map anew with small voxels as soon as there are scans to fill them: from the newest
+/// one back, each matched to those that are in it already, because the large voxels have blurred
+/// their poses. The newest pose stays.
 void LocalMapper::refine_when_filled(InsertedScan scan, LocalMap& map) {
   young_scans_.push_back(std::move(scan));
   if (young_scans_.size() < kScansOfYoungMap) return;
   map.restart(kIndoorVoxelScale * voxel_size_);
-  for (const InsertedScan& young : young_scans_) insert_at(young.motion, young.points, map);
+  registration::NdtMatcher matcher;
+  for (auto young = young_scans_.rbegin(); young != young_scans_.rend(); ++young) {
+    if (young != young_scans_.rbegin())
+      young->motion = matched(young->points, young->motion, matcher, map);
+    insert_at(young->motion, young->points, map);
+  }
   young_scans_.clear();
   is_young_ = false;
 }

@@ -57,11 +57,20 @@ double fraction_of(const Point& point, double position, const Rotation& rotation
   return rounds - whole;
 }
 
+/// Nothing tells whether a stamp is of the begin or of the end of the sweep. In the middle it is
+/// off by half a sweep at most, and the poses of scans that were taken for compensated are there,
+/// too.
+std::vector<float> around_stamp(std::vector<float> times, double duration) {
+  for (float& time : times) time -= static_cast<float>(0.5 * duration);
+  return times;
+}
+
 /// The parameters of preprocessing that have the same effect.
 std::string azimuth_parameters(const SweepTimesRule& rule) {
   if (!rule.rotation) return "point_times: AZIMUTH";
   return formatted(
-      "point_times: AZIMUTH, scan_direction: %s, scan_start_azimuth_deg: %.0f, scan_period: %.3f",
+      "point_times: AZIMUTH, scan_stamp: MIDDLE, scan_direction: %s, scan_start_azimuth_deg: %.0f, "
+      "scan_period: %.3f",
       rule.rotation->clockwise ? "CLOCKWISE" : "COUNTERCLOCKWISE",
       rule.rotation->start_azimuth * kDegPerRad, rule.duration);
 }
@@ -109,10 +118,11 @@ std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& ru
       return negated;
     }
     case SweepTimes::kByAzimuth:
-      return rule.rotation ? times_by_azimuth(cloud, rule.duration, *rule.rotation)
-                           : times_by_azimuth(cloud, rule.duration);
+      return around_stamp(rule.rotation ? times_by_azimuth(cloud, rule.duration, *rule.rotation)
+                                        : times_by_azimuth(cloud, rule.duration),
+                          rule.duration);
     case SweepTimes::kByPosition:
-      return times_by_position(cloud, rule.duration);
+      return around_stamp(times_by_position(cloud, rule.duration), rule.duration);
   }
   return cloud.times;
 }
