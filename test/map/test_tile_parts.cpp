@@ -73,8 +73,8 @@ TilePoint point_in(std::uint64_t voxel, float x, float intensity = 0.0F) {
 
 TEST(VoxelTile, HasTheMeanOfEachVoxelInTheOrderOfFirstPoints) {
   VoxelTile tile;
-  tile.insert({point_in(9, 1.0F, 10.0F), point_in(4, 5.0F, 7.0F), point_in(9, 2.0F, 30.0F)});
-  tile.insert({point_in(4, 7.0F, 9.0F), point_in(2, 0.0F)});
+  tile.insert({point_in(9, 1.0F, 10.0F), point_in(4, 5.0F, 7.0F), point_in(9, 2.0F, 30.0F)}, 3);
+  tile.insert({point_in(4, 7.0F, 9.0F), point_in(2, 0.0F)}, 4);
   ASSERT_EQ(tile.size(), 3U);
   PointCloud cloud;
   cloud.points.push_back({});
@@ -84,6 +84,7 @@ TEST(VoxelTile, HasTheMeanOfEachVoxelInTheOrderOfFirstPoints) {
   EXPECT_EQ(cloud.points[1].intensity, 20.0F);
   EXPECT_EQ(cloud.points[2].position(), Eigen::Vector3f(106.0F, 212.0F, 294.0F));
   EXPECT_EQ(cloud.points[2].intensity, 8.0F);
+  EXPECT_EQ(tile.key_frames(), (std::vector<KeyFrameIndex>{3, 3, 4})) << "the first that saw it";
 }
 
 // Its table grows several times, and keys that differ in their upper bits alone meet in it.
@@ -91,7 +92,7 @@ TEST(VoxelTile, FindsItsVoxelsWhileItGrows) {
   VoxelTile tile;
   std::vector<TilePoint> points;
   for (std::uint64_t i = 0; i < 20'000; ++i) points.push_back(point_in(i << 32U | i % 7U, 1.0F));
-  for (int round = 0; round < 3; ++round) tile.insert(points);
+  for (int round = 0; round < 3; ++round) tile.insert(points, 1);
   ASSERT_EQ(tile.size(), 20'000U);
   for (std::uint64_t i = 0; i < 20'000; ++i) {
     ASSERT_EQ(tile.voxels()[i].key, i << 32U | i % 7U);
@@ -106,12 +107,12 @@ TEST(VoxelTile, GoesOnAfterItWasRestored) {
     points.push_back(point_in(engine() % 3000, static_cast<float>(engine() % 100)));
   }
   VoxelTile whole;
-  whole.insert(points);
-  whole.insert(points);
+  whole.insert(points, 1);
+  whole.insert(points, 1);
   VoxelTile half;
-  half.insert(points);
+  half.insert(points, 1);
   VoxelTile restored(half.voxels());
-  restored.insert(points);
+  restored.insert(points, 1);
   ASSERT_EQ(restored.size(), whole.size());
   for (std::size_t i = 0; i < whole.size(); ++i) {
     ASSERT_EQ(restored.voxels()[i].key, whole.voxels()[i].key) << i;
