@@ -108,7 +108,8 @@ class Divider {
 
   /// Passes the points of the node to the sink, and returns those of its children. The files of the
   /// node are gone then.
-  std::array<std::unique_ptr<PointSpool>, 8> split(const OctreeKey& key, PointSpool points) const {
+  std::array<std::unique_ptr<PointSpool>, 8> split(const OctreeKey& key, PointSpool&& node) const {
+    const PointSpool points = std::move(node);
     CellSelection selection(cube_, key);
     points.for_each([&](std::size_t i, const StoredPoint& point) { selection.offer(i, point); });
     std::vector<StoredPoint> own;
@@ -184,7 +185,8 @@ OctreeCube::OctreeCube(const std::array<std::int32_t, 3>& low,
   }
   edge = (extent / kUnit + 1) * kUnit;
   for (std::size_t i = 0; i < 3; ++i) {
-    corner[i] = low[i] - (edge - (std::int64_t{high[i]} - low[i])) / 2;
+    const std::int64_t size = std::int64_t{high[i]} - std::int64_t{low[i]};
+    corner[i] = low[i] - (edge - size) / 2;
   }
 }
 

@@ -38,9 +38,9 @@ struct DoubtMark {
 
 /// What a display or a GIS shows beside the points of a map.
 struct DriveMarks {
-  std::vector<WayPoint> way;  ///< all key frames, by index
-  std::vector<LoopMark> loops;
-  std::vector<DoubtMark> doubts;
+  std::vector<WayPoint> way;      ///< all key frames, by index
+  std::vector<LoopMark> loops;    ///< loops with their verdicts
+  std::vector<DoubtMark> doubts;  ///< sections that may be wrong
 };
 
 }  // namespace lidar_mapping

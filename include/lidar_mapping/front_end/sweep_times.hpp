@@ -22,8 +22,8 @@ struct SensorRotation {
 
 /// The times of the points of a sweep.
 struct SweepTimesRule {
-  SweepTimes source = SweepTimes::kAsGiven;
-  double duration = 0.0;  ///< s, of a sweep whose points have no times
+  SweepTimes source = SweepTimes::kAsGiven;  ///< where they come from
+  double duration = 0.0;                     ///< s, of a sweep whose points have no times
   /// With kByAzimuth; empty if it follows from the order of the points.
   std::optional<SensorRotation> rotation;
 };
