@@ -65,7 +65,9 @@ TEST_F(MapFormats, WritesEachFormatAlone) {
   for (const std::string& format : writable_formats()) {
     const Products products = written({format});
     ASSERT_FALSE(products.files.empty()) << format;
-    EXPECT_GT(products.points, 1000U) << format;
+    // It is made from the session alone.
+    const bool has_points = format != "geojson";
+    EXPECT_EQ(products.points > 1000U, has_points) << format;
     for (const auto& file : products.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
   }
 }
