@@ -57,9 +57,9 @@ double fraction_of(const Point& point, double position, const Rotation& rotation
   return rounds - whole;
 }
 
-/// Nothing tells whether a stamp is of the begin or of the end of the sweep. In the middle it is
-/// off by half a sweep at most, and the poses of scans that were taken for compensated are there,
-/// too.
+/// Drivers send points in the order of their firings and stamp the begin of a sweep. Points in
+/// another order went through a filter or a data set, and nothing tells what their stamp means: in
+/// the middle it is off by half a sweep at most. KITTI's stamps are there.
 std::vector<float> around_stamp(std::vector<float> times, double duration) {
   for (float& time : times) time -= static_cast<float>(0.5 * duration);
   return times;
@@ -118,11 +118,11 @@ std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& ru
       return negated;
     }
     case SweepTimes::kByAzimuth:
-      return around_stamp(rule.rotation ? times_by_azimuth(cloud, rule.duration, *rule.rotation)
-                                        : times_by_azimuth(cloud, rule.duration),
-                          rule.duration);
+      return rule.rotation ? around_stamp(times_by_azimuth(cloud, rule.duration, *rule.rotation),
+                                          rule.duration)
+                           : times_by_azimuth(cloud, rule.duration);
     case SweepTimes::kByPosition:
-      return around_stamp(times_by_position(cloud, rule.duration), rule.duration);
+      return times_by_position(cloud, rule.duration);
   }
   return cloud.times;
 }

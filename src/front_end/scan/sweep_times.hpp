@@ -22,8 +22,8 @@ std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration,
 /// The same for points that are stored in the order in which they were measured.
 std::vector<float> times_by_position(const PointCloud& cloud, double duration);
 
-/// The times that the points have according to the rule, with the stamp in the middle of a sweep
-/// whose points have no times; empty if they have none.
+/// The times that the points have according to the rule; empty if they have none. Without times the
+/// stamp is that of the begin, or of the middle if the points do not tell how the sensor turns.
 std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& rule);
 
 }  // namespace lidar_mapping::front_end
