@@ -22,20 +22,23 @@ std::string why_silent(const std::string& topic, const std::vector<std::string>&
                        const std::set<std::string>& own, const std::string& remedy) {
   const std::string names = joined(types, " or ");
   std::vector<std::string> others;
+  std::vector<std::string> found;  // their types
   for (const PublishedTopic& other : published) {
     const bool fits = contains(types, other.type);
     if (other.name == topic) {
       return fits ? "nothing has come on " + topic + " yet, which is published"
                   : topic + " is published as " + other.type + ", not as " + names;
     }
-    if (fits && own.count(other.name) == 0) others.push_back(other.name);
+    if (!fits || own.count(other.name) > 0) continue;
+    others.push_back(other.name);
+    if (!contains(found, other.type)) found.push_back(other.type);
   }
   const std::string problem = "nobody publishes " + topic;
   if (others.empty()) {
     return problem + ", nor another topic of " + names + ": play a bag or start the driver";
   }
-  return problem + "; topics of " + names + " that are published: " + joined(others) +
-         " (choose one with " + remedy + ":=TOPIC)";
+  return problem + "; topics of " + joined(found, " or ") +
+         " that are published: " + joined(others) + " (choose one with " + remedy + ":=TOPIC)";
 }
 
 std::vector<PublishedTopic> published_topics() {
