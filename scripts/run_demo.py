@@ -266,7 +266,7 @@ def main():
                         ('trajectory plot', demo / 'trajectory.png'),
                         ('loops plot', demo / 'loops.png'),
                         ('view from above', demo / 'top_view.png'), ('figures', demo / 'summary.json')] + [
-                            ('map', path) for path in saved['files']] + ([('page for a browser', page)] if page else []):
+                            ('map', path) for path in saved['files']] + ([('browser page', page)] if page else []):
         print(f'{title + ":":18}{path}')
 
 
