@@ -11,6 +11,7 @@
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "campaign_imu.hpp"
+#include "normalized_errors.hpp"
 
 namespace lidar_mapping::campaign {
 
@@ -26,9 +27,13 @@ front_end::FrontEndConfig make_config(const CampaignCase& c) {
 
 /// The last of the poses become what they are to stay.
 void finalize(const std::vector<FrontEndResult>& finalized,
-              std::vector<evaluation::PosePair>& pairs) {
+              std::vector<evaluation::PosePair>& pairs, MotionErrors& errors) {
   auto pair = pairs.end() - static_cast<std::ptrdiff_t>(finalized.size());
-  for (const FrontEndResult& result : finalized) (pair++)->estimate = result.T_odom_base;
+  for (const FrontEndResult& result : finalized) {
+    pair->estimate = result.T_odom_base;
+    errors.add(result, pair->truth);
+    ++pair;
+  }
 }
 
 void count(TrackingState state, CampaignFigures& figures) {
@@ -63,6 +68,11 @@ void report(const StepChecker& steps, CampaignFigures& figures) {
   figures.largest_error_deg = steps.largest_error_deg();
 }
 
+void report(const MotionErrors& errors, CampaignFigures& figures) {
+  figures.nees_steps = errors.steps().mean();
+  figures.nees_edges = errors.edges().mean();
+}
+
 /// Errors of the whole trajectory.
 void report(const std::vector<evaluation::PosePair>& pairs, CampaignFigures& figures) {
   figures.path_length = evaluation::travelled_distances(pairs).back();
@@ -81,6 +91,7 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
   front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   CampaignFigures figures;
   StepChecker steps;
+  MotionErrors errors;
   std::vector<evaluation::PosePair> pairs;
   std::uint32_t segment = 0;
   std::optional<ImuFeed> feed;
@@ -97,12 +108,14 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
     if (error) score({result.stamp, result.status, *error}, figures);
     if (error && checked != nullptr) checked->push_back({result.stamp, result.status, *error});
     segment = result.segment;
-    finalize(result.finalized, pairs);
+    finalize(result.finalized, pairs, errors);
     pairs.push_back({drive.scan_stamp(i), T_map_base, result.T_odom_base});
+    if (!result.provisional) errors.add(result, T_map_base);
   }
-  finalize(front_end.finalize(), pairs);
+  finalize(front_end.finalize(), pairs, errors);
   figures.cpu_ms /= static_cast<double>(std::max<std::size_t>(1, figures.scans));
   report(steps, figures);
+  report(errors, figures);
   report(pairs, figures);
   return figures;
 }

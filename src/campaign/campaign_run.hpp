@@ -30,6 +30,10 @@ struct CampaignFigures {
   double cpu_ms = 0.0;       ///< per scan
   double path_length = 0.0;  ///< m
   double ape = 0.0;          ///< m, root mean square after alignment
+  /// Mean normalised error squared per degree of freedom, of steps and of motions between key
+  /// frames (MotionErrors); none where the front end claimed none.
+  std::optional<double> nees_steps;
+  std::optional<double> nees_edges;
 };
 
 /// Simulates the case and runs the front end over `duration` seconds of it; every step goes into

@@ -61,17 +61,23 @@ std::vector<CampaignCase> all_runs(const Options& options) {
 }
 
 void print_head() {
-  std::printf("%8s %5s %6s %5s %5s %5s %8s %8s %10s %9s %9s %7s %7s %6s  %s\n", "drift %", "scans",
-              "silent", "wrong", "false", "lost", "degraded", "doubtful", "degenerate", "largest m",
-              "largest d", "cpu ms", "APE m", "way m", "case");
+  std::printf("%8s %5s %6s %5s %5s %5s %8s %8s %10s %9s %9s %7s %7s %6s %6s %6s  %s\n", "drift %",
+              "scans", "silent", "wrong", "false", "lost", "degraded", "doubtful", "degenerate",
+              "largest m", "largest d", "cpu ms", "APE m", "way m", "nees", "edges", "case");
+}
+
+std::string text_of(const std::optional<double>& figure, int digits) {
+  return figure ? formatted("%.*f", digits, *figure) : "-";
 }
 
 void print(const CampaignFigures& f, const std::string& line) {
-  const std::string drift = f.drift_percent ? formatted("%.4f", *f.drift_percent) : "-";
-  std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n",
-              drift.c_str(), f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded,
-              f.doubtful, f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape,
-              f.path_length, line.c_str());
+  std::printf(
+      "%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f %6s %6s  "
+      "%s\n",
+      text_of(f.drift_percent, 4).c_str(), f.scans, f.silent, f.wrong, f.false_alarms, f.lost,
+      f.degraded, f.doubtful, f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape,
+      f.path_length, text_of(f.nees_steps, 2).c_str(), text_of(f.nees_edges, 2).c_str(),
+      line.c_str());
   std::fflush(stdout);
 }
 
@@ -118,8 +124,12 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
                {"largest_error_deg", f.largest_error_deg},
                {"cpu_ms", f.cpu_ms},
                {"ape_m", f.ape},
-               {"way_m", f.path_length}};
+               {"way_m", f.path_length},
+               {"nees_steps", nullptr},
+               {"nees_edges", nullptr}};
   if (f.drift_percent) json["drift_percent"] = *f.drift_percent;
+  if (f.nees_steps) json["nees_steps"] = *f.nees_steps;
+  if (f.nees_edges) json["nees_edges"] = *f.nees_edges;
   return json;
 }
 
