@@ -73,6 +73,15 @@ std::vector<Layer> classify_layers(const TransformedPoints& points, GroundModels
   return layers;
 }
 
+std::vector<std::uint32_t> voted_points(const std::vector<Layer>& layers) {
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(layers.size());
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (layers[i] >= Layer::kBody) numbers.push_back(static_cast<std::uint32_t>(i));
+  }
+  return numbers;
+}
+
 std::vector<std::uint32_t> isolated_points(const TransformedPoints& points,
                                            const std::vector<Vote>& votes) {
   const NeighbourCounter neighbour_counts(points, votes);
@@ -96,6 +105,20 @@ std::vector<std::uint32_t> moving_points(const TransformedPoints& points,
       moving.push_back(static_cast<std::uint32_t>(i));
   }
   return moving;
+}
+
+std::vector<std::uint32_t> outvoted_points(const TransformedPoints& points,
+                                           const std::vector<Vote>& votes,
+                                           const std::vector<Layer>& layers) {
+  std::vector<std::uint32_t> outvoted;
+  const VoteBlocks blocks(points, votes);
+  if (blocks.empty()) return outvoted;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (layers[i] != Layer::kGround && blocks.is_moving_around(i)) {
+      outvoted.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  return outvoted;
 }
 
 }  // namespace lidar_mapping::moving_objects

@@ -34,6 +34,9 @@ struct GroundModels {
 /// is used. Points out of range belong to the ground.
 std::vector<Layer> classify_layers(const TransformedPoints& points, GroundModels& ground_models);
 
+/// Indices of the points that need votes; those on the ground or at the base of an object do not.
+std::vector<std::uint32_t> voted_points(const std::vector<Layer>& layers);
+
 /// Indices of points that were voted moving and have hardly any neighbours: drops, flakes, tips of
 /// leaves.
 std::vector<std::uint32_t> isolated_points(const TransformedPoints& points,
@@ -45,5 +48,11 @@ std::vector<std::uint32_t> isolated_points(const TransformedPoints& points,
 std::vector<std::uint32_t> moving_points(const TransformedPoints& points,
                                          const std::vector<Vote>& votes,
                                          const std::vector<Layer>& layers);
+
+/// Indices of the points above the ground of which the votes around say that they moved. Objects
+/// are not decided as a whole: a house that was taken down may have touched one that stands.
+std::vector<std::uint32_t> outvoted_points(const TransformedPoints& points,
+                                           const std::vector<Vote>& votes,
+                                           const std::vector<Layer>& layers);
 
 }  // namespace lidar_mapping::moving_objects

@@ -8,29 +8,13 @@
 
 #include "lidar_mapping/moving_objects/moving_objects.hpp"
 
+#include "box_street.hpp"
+
 namespace lidar_mapping::moving_objects {
 namespace {
 
 constexpr KeyFrameIndex kKeyFrames = 30;
 const Eigen::Vector3d kSensor(0.5, 0.0, 1.8);
-
-struct Box {
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
-};
-
-/// Distance along a ray to a box; infinity if it misses.
-double distance_to(const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
-  double near = 0.0;
-  double far = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    const double a = (box.low[i] - origin[i]) / ray[i];
-    const double b = (box.high[i] - origin[i]) / ray[i];
-    near = std::max(near, std::min(a, b));
-    far = std::min(far, std::max(a, b));
-  }
-  return near <= far && near > 0.0 ? near : std::numeric_limits<double>::infinity();
-}
 
 /// A street with walls, a parked car, a pole, and a car or truck that drives towards the vehicle.
 class Street : public CloudSource {
@@ -64,26 +48,10 @@ class Street : public CloudSource {
 
  private:
   static PointCloudPtr scan(const Pose& T_map_base, const Box& car) {
-    const std::vector<Box> boxes = {
-        {{-50.0, 8.0, 0.0}, {80.0, 9.0, 8.0}},      {{-50.0, -9.0, 0.0}, {80.0, -8.0, 8.0}},
-        {{12.0, -5.5, 0.0}, {16.0, -3.8, 1.5}},     {{20.0, 6.0, 0.0}, {20.15, 6.15, 5.0}},
-        {{-60.0, -60.0, -1.0}, {100.0, 60.0, 0.0}}, car};
-    auto cloud = std::make_shared<PointCloud>();
-    const Eigen::Vector3d origin = T_map_base * kSensor;
-    for (int beam = 0; beam < 48; ++beam) {
-      const double elevation = (-24.0 + 0.6 * beam) * M_PI / 180.0;
-      for (int column = 0; column < 720; ++column) {
-        const double azimuth = column * M_PI / 360.0 + 1e-4;
-        const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-        double range = std::numeric_limits<double>::infinity();
-        for (const Box& box : boxes) range = std::min(range, distance_to(box, origin, ray));
-        if (range > 60.0) continue;
-        const Eigen::Vector3f p = (T_map_base.inverse() * (origin + range * ray)).cast<float>();
-        cloud->points.push_back({p.x(), p.y(), p.z(), 1.0F});
-      }
-    }
-    return cloud;
+    std::vector<Box> boxes = street_boxes();
+    boxes.push_back({{12.0, -5.5, 0.0}, {16.0, -3.8, 1.5}});
+    boxes.push_back(car);
+    return scan_of_boxes(boxes, T_map_base, kSensor);
   }
 
   const double height_;  // m
