@@ -16,7 +16,7 @@ class ProjectError(Exception):
 
 
 TOPICS = ('points', 'imu', 'velocity', 'gnss')
-FORMATS = ('pcd', 'ply', 'png', 'las', 'tiles', 'grid')
+FORMATS = ('pcd', 'ply', 'png', 'las', 'tiles', 'grid', 'ept', 'web', 'geotiff', 'geojson', 'changes')
 STAGES = ('check', 'map', 'pairs', 'loops', 'join', 'products', 'report')
 # Threads, memory (MB) and minutes of a job of each stage. Chosen for drives of up to an hour; the memory
 # of map and products was measured at 1 to 2 GB for half of that (doc/results/city.md).
@@ -244,7 +244,7 @@ class ProjectReader:
 
     def map(self):
         part = self.top.part('map', ('formats', 'resolution', 'tile_size'))
-        formats = part.get('formats', list, ['tiles', 'png'], f'write a list of {", ".join(FORMATS)}')
+        formats = part.get('formats', list, ['tiles', 'png', 'changes'], f'write a list of {", ".join(FORMATS)}')
         if not formats or not all(entry in FORMATS for entry in formats):
             raise part.wrong('formats', f'write a list of {", ".join(FORMATS)}')
         return {'formats': formats,

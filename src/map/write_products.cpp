@@ -10,8 +10,9 @@
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
-#include "lidar_mapping/moving_objects/moving_objects.hpp"
+#include "lidar_mapping/moving_objects/current_clouds.hpp"
 
+#include "change_files.hpp"
 #include "ept_file.hpp"
 #include "geotiff_files.hpp"
 #include "map_formats.hpp"
@@ -112,6 +113,9 @@ class ProductWriter {
       removal.threads = config.threads;
       static_clouds_ = std::make_unique<moving_objects::StaticClouds>(
           clouds, poses, *options.p_base_sensor, removal, directory);
+      current_clouds_ = std::make_unique<moving_objects::CurrentClouds>(
+          clouds, *static_clouds_, poses, *options.p_base_sensor, removal, directory);
+      products_.visits = current_clouds_->visits().visits().size();
     }
     if (options.crop) {
       cropped_ = std::make_unique<CroppedClouds>(uncropped(), poses, *options.crop);
@@ -124,6 +128,7 @@ class ProductWriter {
       if (format.write != nullptr && is_selected(format.name)) (this->*format.write)();
     }
     if (options_.save_removed && static_clouds_) write_removed();
+    if (current_clouds_) products_.outdated = current_clouds_->outdated();
     return products_;
   }
 
@@ -152,6 +157,16 @@ class ProductWriter {
 
   void write_geotiff() {
     add(map::write_geotiff(tiles(), options_.datum, options_.pixel, directory_));
+  }
+
+  void write_changes() {
+    if (!current_clouds_) {
+      throw InputError(
+          "changes are what the LiDAR has looked through without moving objects: give its position "
+          "in base_link, and do not keep moving objects");
+    }
+    add(map::write_changes(current_clouds_->changes(), current_clouds_->visits().visits(),
+                           options_.datum, directory_));
   }
 
   void write_geojson() { add(map::write_geojson(marks(), options_.datum, directory_)); }
@@ -204,6 +219,7 @@ class ProductWriter {
   }
 
   CloudSource& uncropped() {
+    if (current_clouds_ && products_.visits > 1 && !options_.keep_outdated) return *current_clouds_;
     if (static_clouds_) return *static_clouds_;
     return clouds_;
   }
@@ -322,6 +338,7 @@ class ProductWriter {
   const ProductOptions& options_;
   const std::filesystem::path& directory_;
   std::unique_ptr<moving_objects::StaticClouds> static_clouds_;
+  std::unique_ptr<moving_objects::CurrentClouds> current_clouds_;
   std::unique_ptr<CroppedClouds> cropped_;
   std::optional<CloudParts> points_;
   std::optional<DriveMarks> marks_;
@@ -341,7 +358,8 @@ const std::vector<MapFormat>& map_formats() {
       {"ept", "Entwine Point Tiles", false, nullptr, &ProductWriter::write_ept},
       {"web", "page for a browser", false, nullptr, &ProductWriter::write_web, &web_obstacle},
       {"geotiff", "rasters", false, nullptr, &ProductWriter::write_geotiff, &geotiff_obstacle},
-      {"geojson", "trajectory, loops, doubt", false, nullptr, &ProductWriter::write_geojson}};
+      {"geojson", "trajectory, loops, doubt", false, nullptr, &ProductWriter::write_geojson},
+      {"changes", "between visits", false, nullptr, &ProductWriter::write_changes}};
   return formats;
 }
 

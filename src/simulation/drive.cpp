@@ -29,6 +29,8 @@ enum Stream : std::uint64_t {
 /// Time after which every sensor has delivered samples; the first scan begins then, ns.
 constexpr Stamp kFirstScanAfter = 200'000'000;
 
+constexpr Stamp kDay = 86'400'000'000'000;  ///< ns
+
 constexpr double kMinDuration = 1.0;  ///< s; chosen: ten scans
 
 struct NamedDrive {
@@ -83,6 +85,7 @@ class Drive::Impl {
         caster_(scenario_.world),
         period_(from_seconds(1.0 / options.scan_rate)),
         faults_(options.scan_faults, noise_seed(kScanFaults)) {
+    scenario_.trajectory.delay(static_cast<Stamp>(options.pass) * kDay);
     const Stamp last = scenario_.trajectory.end();
     const Stamp cut =
         options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;

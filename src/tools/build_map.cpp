@@ -55,6 +55,11 @@ void add_arguments(CLI::App& app, Options& options) {
                "pcd and ply in UTM, relative to the datum: map.pcd.utm has easting, northing and "
                "height to add (las always is in UTM)");
   app.add_flag("--keep-moving", options.output.keep_moving, "leave points of moving objects in");
+  app.add_flag("--keep-outdated", options.output.products.keep_outdated,
+               "leave in what later visits have looked through");
+  app.add_option("--as-of", options.output.as_of,
+                 "the map as it was then: only key frames up to this date, 2026-05-01 or "
+                 "2026-05-01T12:00 (UTC)");
   app.add_flag("--save-removed", options.output.products.save_removed,
                "also write the removed points");
   app.add_option("--sensor-origin", options.output.sensor_origin, "the LiDAR in base_link, m")

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
@@ -54,6 +55,42 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const S
   return origin;
 }
 
+/// The poses that the trajectory of the command line has of the key frames.
+KeyFramePoses given_poses(const Session& session, const MapOutput& output) {
+  const Trajectory trajectory = read_trajectory(output.poses);
+  if (!trajectory.has_stamps) {
+    throw InputError(output.poses + " has no stamps; give a TUM file");
+  }
+  KeyFramePoses placed;
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    const auto pose = pose_at(key_frame.stamp, trajectory, kLongestGap);
+    if (pose) placed.poses.push_back({key_frame.index, key_frame.stamp, *pose});
+  }
+  if (placed.poses.empty()) {
+    throw InputError(output.poses +
+                     " has no pose at the time of any key frame; is it of this drive?");
+  }
+  return placed;
+}
+
+/// The poses up to an instant.
+KeyFramePoses until(Stamp last, KeyFramePoses poses) {
+  auto& list = poses.poses;
+  if (list.empty()) return poses;
+  const auto by_stamp = [](const KeyFramePose& a, const KeyFramePose& b) {
+    return a.stamp < b.stamp;
+  };
+  const Stamp first = std::min_element(list.begin(), list.end(), by_stamp)->stamp;
+  if (first > last) {
+    throw InputError("no key frame is as old as the date of --as-of; the first one is of " +
+                     iso_date(first));
+  }
+  list.erase(std::remove_if(list.begin(), list.end(),
+                            [&](const KeyFramePose& pose) { return pose.stamp > last; }),
+             list.end());
+  return poses;
+}
+
 }  // namespace
 
 void check_numbers(const MapOutput& output) {
@@ -71,21 +108,9 @@ KeyFramePoses key_frame_poses(const Session& session) {
 }
 
 KeyFramePoses key_frame_poses(const Session& session, const MapOutput& output) {
-  if (output.poses.empty()) return key_frame_poses(session);
-  const Trajectory trajectory = read_trajectory(output.poses);
-  if (!trajectory.has_stamps) {
-    throw InputError(output.poses + " has no stamps; give a TUM file");
-  }
-  KeyFramePoses placed;
-  for (const KeyFrame& key_frame : session.key_frames()) {
-    const auto pose = pose_at(key_frame.stamp, trajectory, kLongestGap);
-    if (pose) placed.poses.push_back({key_frame.index, key_frame.stamp, *pose});
-  }
-  if (placed.poses.empty()) {
-    throw InputError(output.poses +
-                     " has no pose at the time of any key frame; is it of this drive?");
-  }
-  return placed;
+  KeyFramePoses poses =
+      output.poses.empty() ? key_frame_poses(session) : given_poses(session, output);
+  return output.as_of.empty() ? poses : until(end_of_date(output.as_of), std::move(poses));
 }
 
 std::filesystem::path map_folder(const Session& session, const MapOutput& output) {
@@ -111,6 +136,10 @@ map::Files write_map(const Session& session, const MapOutput& output, const KeyF
   const map::Products products =
       map::write_products(poses, clouds, config, options, map_folder(session, output));
   std::printf("%zu points of %zu %s\n", products.points, poses.poses.size(), name.c_str());
+  if (products.visits > 1) {
+    std::printf("%zu visits; %zu points of what was not there any more are left out\n",
+                products.visits, products.outdated);
+  }
   if (options.save_removed) std::printf("%zu points of moving objects\n", products.removed);
   return products.files;
 }

@@ -19,6 +19,7 @@ struct MapOutput {
   std::string poses;                 ///< a trajectory with stamps; empty: the session's poses
   int threads = 0;                   ///< 0: all cores
   bool keep_moving = false;
+  std::string as_of;  ///< date by ISO 8601, up to which key frames are used; empty: all
   std::vector<double> sensor_origin;  ///< empty: as the session has it
   map::ProductOptions products;
 };
@@ -30,7 +31,8 @@ void check_numbers(const MapOutput& output);
 /// Poses of the session's key frames: optimised ones, and odometry after the last of them.
 KeyFramePoses key_frame_poses(const session::Session& session);
 /// The same, or where the trajectory that `output` names has them, between two of its poses at most
-/// half a second apart. Throws FileError, and InputError if that has none of them.
+/// half a second apart; without those after the date of `output`. Throws FileError, and InputError
+/// if none is left.
 KeyFramePoses key_frame_poses(const session::Session& session, const MapOutput& output);
 
 /// The folder for the files.

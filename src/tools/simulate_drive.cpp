@@ -74,7 +74,7 @@ void add_arguments(CLI::App& app, Options& options) {
       ->check(CLI::IsMember(simulation::lidar_names()))
       ->capture_default_str();
   app.add_option("--seed", drive.seed, "seed of the world and of all noise")->capture_default_str();
-  app.add_option("--pass", drive.pass, "another day in the same town: own traffic and noise")
+  app.add_option("--pass", drive.pass, "so many days later in the same town: own traffic and noise")
       ->capture_default_str();
   app.add_option("--start", drive.start, "leave out so many seconds of the beginning");
   app.add_option("--duration", drive.duration,

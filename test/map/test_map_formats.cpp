@@ -54,6 +54,7 @@ class MapFormats : public testing::Test {
     ProductOptions options;
     options.formats = formats;
     options.name = "site";
+    options.p_base_sensor = Eigen::Vector3d(5.0, 5.0, 2.0);
     return write_products(source_.poses, source_, {}, options, folder_.path());
   }
 
@@ -66,7 +67,7 @@ TEST_F(MapFormats, WritesEachFormatAlone) {
     const Products products = written({format});
     ASSERT_FALSE(products.files.empty()) << format;
     // It is made from the session alone.
-    const bool has_points = format != "geojson";
+    const bool has_points = format != "geojson" && format != "changes";
     EXPECT_EQ(products.points > 1000U, has_points) << format;
     for (const auto& file : products.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
   }
@@ -85,6 +86,12 @@ TEST_F(MapFormats, SingleFilesHaveNameAndFormat) {
     written({format});
     EXPECT_TRUE(std::filesystem::exists(folder_.path() / ("site." + format))) << format;
   }
+}
+
+TEST_F(MapFormats, ChangesNeedTheRaysOfTheLidar) {
+  ProductOptions options;
+  options.formats = {"changes"};
+  EXPECT_THROW(write_products(source_.poses, source_, {}, options, folder_.path()), InputError);
 }
 
 TEST_F(MapFormats, HelpAndErrorsListAllFormats) {
@@ -112,6 +119,7 @@ std::string line_with(const std::string& path, const std::string& text) {
 TEST(MapFormatLists, NameAllFormats) {
   const std::string lists[] = {
       line_with("../srv/SaveMap.srv", "string[] formats"),
+      line_with("../scripts/city/project.py", "FORMATS = "),
       line_with("../doc/glossary.md", "| `formats` |"),
       line_with("../doc/reference/commands.md", "| `build_map SESSION"),
   };

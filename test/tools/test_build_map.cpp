@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "mapped_drive.hpp"
@@ -59,6 +60,24 @@ TEST_F(BuildMap, CropsToABox) {
   words = {whole(), "-o", folder_.path() / "none", "--crop", "9000", "0", "0", "9001", "1", "1"};
   EXPECT_EQ(run("build_map", words), 1);
   EXPECT_TRUE(has_said("no point of the map lies in the box")) << said();
+}
+
+TEST_F(BuildMap, TakesTheKeyFramesUpToADate) {
+  const auto key_frames =
+      session::Session::open(whole(), session::Session::Access::kRead).key_frames();
+  const std::string day = iso_date(key_frames.back().stamp).substr(0, 10);
+  EXPECT_EQ(built({"--formats", "pcd", "--as-of", day}).size(), built({"--formats", "pcd"}).size());
+  const std::string second = iso_date(key_frames[key_frames.size() / 2].stamp);
+  const std::size_t half = built({"--formats", "pcd", "--as-of", second}).size();
+  EXPECT_LT(half, built({"--formats", "pcd"}).size());
+  EXPECT_TRUE(has_said(" key frames")) << said();
+
+  const fs::path none = folder_.path() / "none";
+  EXPECT_EQ(run("build_map", {whole(), "-o", none, "--as-of", "1999-12-31"}), 1);
+  EXPECT_TRUE(has_said("no key frame is as old as the date of --as-of; the first one is of " + day))
+      << said();
+  EXPECT_EQ(run("build_map", {whole(), "-o", none, "--as-of", "yesterday"}), 1);
+  EXPECT_TRUE(has_said("'yesterday' is not a date")) << said();
 }
 
 /// What the page and a GIS show of this drive; the other tests of these formats have maps by hand.

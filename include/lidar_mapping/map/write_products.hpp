@@ -49,6 +49,9 @@ struct ProductOptions {
   bool utm = false;
   std::string name = "map";  ///< Name of single files, without extension.
   bool keep_moving = false;  ///< Keeps the points of moving objects in the map.
+  /// Keeps the points of what later visits have looked through. Without the position of the LiDAR,
+  /// and with `keep_moving`, they are kept in any case.
+  bool keep_outdated = false;
   /// Gives the way, the loops and the doubtful sections for formats that show them; empty: these
   /// show the way alone. Called when a format needs it.
   std::function<DriveMarks()> marks;
@@ -57,9 +60,11 @@ struct ProductOptions {
 
 /// What write_products() has made.
 struct Products {
-  Files files;              ///< Files and folders that were written.
-  std::size_t points = 0;   ///< Number of points of the map.
-  std::size_t removed = 0;  ///< Points of moving objects; counted only if they are saved.
+  Files files;               ///< Files and folders that were written.
+  std::size_t points = 0;    ///< Number of points of the map.
+  std::size_t removed = 0;   ///< Points of moving objects; counted only if they are saved.
+  std::size_t visits = 1;    ///< Visits (moving_objects::Visits) whose changes were looked for.
+  std::size_t outdated = 0;  ///< Points of key frames that were left out as outdated.
 };
 
 /// Builds the map of these poses tile by tile and writes it into the folder (map_files.hpp,

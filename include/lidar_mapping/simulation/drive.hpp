@@ -36,7 +36,8 @@ struct DriveOptions {
   std::string drive = "town";   ///< One of drive_names().
   std::string lidar = "hdl64";  ///< One of lidar_names().
   std::uint64_t seed = 1;       ///< Seed of the world, the traffic and all noise.
-  /// Number of the pass: each gives another traffic and noise in the same world (towns only).
+  /// Number of the pass: each gives another traffic and noise in the same world (towns only), so
+  /// many days later.
   std::uint64_t pass = 0;
   double start = 0.0;              ///< Data before this time are left out, s.
   std::optional<double> duration;  ///< The drive ends after this time, s; none: the whole drive.

@@ -32,6 +32,12 @@ class SmoothTrajectory {
   /// InputError for fewer than seven points.
   SmoothTrajectory(Stamp begin, double step_s, std::vector<Vector6d> control);
 
+  /// The same motion later, ns.
+  void delay(Stamp interval) {
+    begin_ += interval;
+    end_ += interval;
+  }
+
   /// First instant, ns.
   Stamp begin() const { return begin_; }
   /// Last instant, ns.
