@@ -11,14 +11,18 @@
 
 namespace lidar_mapping::moving_objects {
 
-enum class ChangeKind : std::uint8_t { kAppeared, kDisappeared };
+/// Whether something came or went.
+enum class ChangeKind : std::uint8_t {
+  kAppeared,    ///< Looked through before, something there after.
+  kDisappeared  ///< Something there before, looked through after.
+};
 /// "appeared", "disappeared".
 const char* to_string(ChangeKind kind);
 
 /// That a point was not there before the first visit that observed it, or is not there any more
 /// after the last one.
 struct PointChange {
-  ChangeKind kind = ChangeKind::kAppeared;
+  ChangeKind kind = ChangeKind::kAppeared;  ///< Whether it came or went.
   /// The visit that looked through the location: the newest one before the point was there, or the
   /// first one after.
   std::uint32_t absent = 0;
@@ -28,8 +32,8 @@ struct PointChange {
 
 /// Something that came or went between two visits.
 struct Change {
-  ChangeKind kind = ChangeKind::kAppeared;
-  std::uint32_t absent = 0;   ///< Number of the visit that looked through its place.
+  ChangeKind kind = ChangeKind::kAppeared;  ///< Whether it came or went.
+  std::uint32_t absent = 0;                 ///< Number of the visit that looked through its place.
   std::uint32_t present = 0;  ///< Number of the visit nearest to that one in which it was there.
   Eigen::Vector3d low = Eigen::Vector3d::Zero();   ///< Lower corner of its box in the map frame, m.
   Eigen::Vector3d high = Eigen::Vector3d::Zero();  ///< Upper corner, m.

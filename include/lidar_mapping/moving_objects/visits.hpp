@@ -23,8 +23,10 @@ class Visits {
   /// is shorter, and whoever comes back for another drive is away for longer.
   static constexpr double kPause = 600.0;
 
+  /// The visits of these key frames, which may be in any order.
   explicit Visits(const std::vector<KeyFramePose>& poses);
 
+  /// All visits, in their order in time.
   const std::vector<Visit>& visits() const { return visits_; }
   /// Number of the visit of the i-th pose.
   std::size_t visit_of(std::size_t i) const { return numbers_[i]; }
