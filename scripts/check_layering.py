@@ -33,7 +33,7 @@ STAGES = {
     'session': ('what is kept of a drive on disk', CONFIGURED),
     'simulation': ('worlds, sensors and drives', CONFIGURED),
     'evaluation': ('errors of trajectories against the truth', {'common'}),
-    'pipeline': ('the stages put together, without ROS', MAPPING),
+    'pipeline': ('the stages put together, without ROS', MAPPING | {'localization'}),
     'city': ('many drives: pairs, loops between drives, one graph', MAPPING | {'pipeline', 'json'}),
     'report': ('figures and verdicts of a map, and the record of its making',
                MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'evaluation', 'json'}),
@@ -41,10 +41,11 @@ STAGES = {
                  DRIVING | {'simulation', 'evaluation', 'json'}),
     'ros': ('messages and values, bags, parameters, queues', DRIVING),
     'recordings': ('a drive from bags or folders', MAPPING | {'pipeline', 'ros'}),
-    'nodes': ('one file for each node', MAPPING | {'pipeline', 'moving_objects', 'map', 'json', 'ros'}),
+    'nodes': ('one file for each node',
+              MAPPING | {'localization', 'pipeline', 'moving_objects', 'map', 'json', 'ros'}),
     'tools': ('one file for each command',
-              MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'simulation', 'evaluation', 'json',
-                         'city', 'report', 'campaign', 'ros', 'recordings'}),
+              MAPPING | {'localization', 'pipeline', 'moving_objects', 'map', 'map_quality', 'simulation', 'evaluation',
+                         'json', 'city', 'report', 'campaign', 'ros', 'recordings'}),
 }
 ALLOWED = {stage: allowed for stage, (_, allowed) in STAGES.items()}
 ROS_STAGES = {'ros', 'recordings', 'nodes', 'tools'}

@@ -3,19 +3,9 @@
 
 #include <utility>
 
-#include "lidar_mapping/front_end/prior_of.hpp"
-#include "lidar_mapping/front_end/status_warnings.hpp"
-
 namespace lidar_mapping::pipeline {
 
 namespace {
-
-front_end::MotionPrior prior_at(const preprocessing::SyncedScan& synced, bool is_first) {
-  front_end::MotionPrior prior =
-      front_end::prior_of(synced.imu, synced.velocity, synced.uneven_turning, synced.felt);
-  if (is_first && synced.gnss) prior.T_odom_base_initial = synced.gnss->T_enu_base();
-  return prior;
-}
 
 /// Computing times are left out, because they differ from run to run.
 session::ScanRecord record_of(const front_end::FrontEndResult& result) {
@@ -35,39 +25,26 @@ session::ScanRecord record_of(const front_end::FrontEndResult& result) {
 ScanOdometry::ScanOdometry(const front_end::FrontEndConfig& front_end,
                            const preprocessing::FloorDetectionConfig& floor, Forward forward,
                            Report report)
-    : front_end_(front_end),
+    : matching_(
+          front_end,
+          [this](const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result) {
+            add(synced, std::move(result));
+          },
+          std::move(report)),
       floor_detector_(floor),
-      forward_(std::move(forward)),
-      report_(std::move(report)) {}
+      forward_(std::move(forward)) {}
 
 void ScanOdometry::resume(const ResumePoint& point) {
   resumed_.emplace(point);
   if (point.from_beginning()) return;
-  front_end_.resume(point.first.index, point.first.segment, point.first.T_odom_base);
-  has_begun_ = true;
+  matching_.resume(point.first.index, point.first.segment, point.first.T_odom_base);
 }
 
 void ScanOdometry::add(const PreparedScan& prepared) {
-  const preprocessing::SyncedScan& synced = prepared.synced;
-  front_end_.set_sensor_pose(synced.T_base_lidar);
-  if (resumed_ && !resumed_->needs(synced.scan.stamp)) return;
+  if (resumed_ && !resumed_->needs(prepared.synced.scan.stamp)) return;
   if (prepared.datum) chunk_.datum = prepared.datum;
   if (prepared.p_base_lidar) chunk_.p_base_lidar = prepared.p_base_lidar;
-  front_end::FrontEndResult result = front_end_.process(synced.scan, prior_at(synced, !has_begun_));
-  has_begun_ = true;
-  report_status(result.status);
-  add_finalized(std::exchange(result.finalized, {}));
-  if (result.provisional) {
-    provisional_scans_.push_back(synced);
-  } else {
-    add(synced, std::move(result));
-  }
-}
-
-void ScanOdometry::add_finalized(std::vector<front_end::FrontEndResult>&& finalized) {
-  if (finalized.empty()) return;
-  const std::vector<preprocessing::SyncedScan> scans = std::exchange(provisional_scans_, {});
-  for (std::size_t i = 0; i < scans.size(); ++i) add(scans[i], std::move(finalized[i]));
+  matching_.add(prepared.synced);
 }
 
 void ScanOdometry::add(const preprocessing::SyncedScan& synced,
@@ -80,21 +57,6 @@ void ScanOdometry::add(const preprocessing::SyncedScan& synced,
   forward_chunk();
 }
 
-void ScanOdometry::report_status(const front_end::FrontEndStatus& status) {
-  for (const auto& [key, text] : front_end::warnings_of(status)) {
-    if (key == front_end::kFullMapKey) {
-      if (status.map_points_dropped <= 2 * map_points_dropped_) continue;
-      map_points_dropped_ = status.map_points_dropped;
-    } else if (!reported_.insert(key).second) {
-      continue;
-    }
-    report_(text);
-  }
-  if (status.elevation_shift == elevation_shift_) return;
-  elevation_shift_ = status.elevation_shift;
-  report_(front_end::elevation_message(elevation_shift_));
-}
-
 void ScanOdometry::record(const preprocessing::SyncedScan& synced,
                           const front_end::FrontEndResult& result) {
   chunk_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
@@ -102,7 +64,7 @@ void ScanOdometry::record(const preprocessing::SyncedScan& synced,
 }
 
 void ScanOdometry::flush() {
-  add_finalized(front_end_.finalize());
+  matching_.flush();
   forward_chunk();
 }
 

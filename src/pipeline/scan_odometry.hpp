@@ -2,15 +2,13 @@
 #pragma once
 
 #include <functional>
-#include <set>
 #include <string>
-#include <vector>
 
-#include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
 
 #include "drive_chunk.hpp"
 #include "resume_point.hpp"
+#include "scan_matching.hpp"
 #include "scan_preparation.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -32,23 +30,14 @@ class ScanOdometry {
   void flush();
 
  private:
-  void report_status(const front_end::FrontEndStatus& status);
-  void add_finalized(std::vector<front_end::FrontEndResult>&& finalized);
   void add(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result);
   void record(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
   void forward_chunk();
 
-  front_end::FrontEnd front_end_;
+  ScanMatching matching_;
   preprocessing::FloorDetector floor_detector_;
   Forward forward_;
-  Report report_;
   std::optional<ResumedOdometry> resumed_;
-  bool has_begun_ = false;
-  double elevation_shift_ = 0.0;        ///< Last value that was reported, rad.
-  std::size_t map_points_dropped_ = 0;  ///< Last value that was reported.
-  std::set<std::string> reported_;      ///< Keys of the other warnings that were reported.
-  /// Scans whose results are provisional.
-  std::vector<preprocessing::SyncedScan> provisional_scans_;
   DriveChunk chunk_;
 };
 

@@ -36,20 +36,46 @@ constexpr double kMinDuration = 1.0;  ///< s; chosen: ten scans
 struct NamedDrive {
   const char* name;
   Scenario (*make)(const DriveOptions&);
+  bool has_reverse = false;      ///< DriveOptions::reverse has a meaning.
+  bool has_parked_cars = false;  ///< DriveOptions::parked has a meaning.
 };
-constexpr NamedDrive kDrives[] = {
-    {"town", make_town},           {"figure_eight", make_figure_eight},
-    {"open_road", make_open_road}, {"tunnel", make_tunnel},
-    {"car_park", make_car_park},   {"walk", make_walk},
-    {"twins", make_twins},         {"city", make_city},
-    {"handheld", make_handheld},   {"handheld_forest", make_handheld_forest},
-    {"running", make_running},     {"running_forest", make_running_forest},
-    {"spin", make_spin},           {"stairs", make_stairs},
-    {"legged", make_legged},       {"legged_forest", make_legged_forest},
-    {"drone", make_drone},         {"elevator", make_elevator}};
+constexpr NamedDrive kDrives[] = {{"town", make_town, true, true},
+                                  {"figure_eight", make_figure_eight, true, true},
+                                  {"open_road", make_open_road, true},
+                                  {"tunnel", make_tunnel},
+                                  {"car_park", make_car_park, true, true},
+                                  {"walk", make_walk},
+                                  {"twins", make_twins, true, true},
+                                  {"city", make_city, true, true},
+                                  {"handheld", make_handheld},
+                                  {"handheld_forest", make_handheld_forest},
+                                  {"running", make_running},
+                                  {"running_forest", make_running_forest},
+                                  {"spin", make_spin},
+                                  {"stairs", make_stairs},
+                                  {"legged", make_legged},
+                                  {"legged_forest", make_legged_forest},
+                                  {"drone", make_drone},
+                                  {"elevator", make_elevator}};
 
 void require(bool holds, const std::string& message) {
   if (!holds) throw ConfigError("simulation: " + message);
+}
+
+/// Throws ConfigError if an option has no meaning for the drive.
+void check_meaning(const NamedDrive& drive, const DriveOptions& options) {
+  const auto refuse = [&](const std::string& option, bool NamedDrive::*has_option) {
+    std::string names;
+    for (const NamedDrive& other : kDrives) {
+      if (other.*has_option) names += std::string(" ") + other.name;
+    }
+    throw ConfigError("simulation: " + option + " has no meaning for the drive '" + drive.name +
+                      "', only for" + names);
+  };
+  if (options.reverse && !drive.has_reverse) refuse("reverse", &NamedDrive::has_reverse);
+  if (options.parked != 0 && !drive.has_parked_cars) {
+    refuse("parked", &NamedDrive::has_parked_cars);
+  }
 }
 
 Scenario make_scenario(const DriveOptions& options) {
@@ -66,7 +92,9 @@ Scenario make_scenario(const DriveOptions& options) {
       "gnss_rate " + std::to_string(options.gnss_rate) + " is outside 0.1 to 100 fixes per second");
   require(options.gnss_noise > 0.0, "gnss_noise must be greater than 0 metres");
   for (const NamedDrive& drive : kDrives) {
-    if (options.drive == drive.name) return drive.make(options);
+    if (options.drive != drive.name) continue;
+    check_meaning(drive, options);
+    return drive.make(options);
   }
   std::string names;
   for (const std::string& name : drive_names()) names += " " + name;

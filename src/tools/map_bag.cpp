@@ -8,9 +8,7 @@
 #include <unistd.h>
 
 #include "child_program.hpp"
-#include "config_path.hpp"
 #include "mapping_run.hpp"
-#include "number_checks.hpp"
 #include "process_memory.hpp"
 
 namespace lidar_mapping::tools {
@@ -35,28 +33,7 @@ void add_arguments(CLI::App& app, MappingOptions& options) {
       ->required();
   app.add_option("-o,--output", options.output, "new folder for the session and the map")
       ->required();
-  app.add_option("--config", options.parameters.config,
-                 std::string(kConfigHelp) + "; defaults if left out");
-  app.add_option("--sensor", options.parameters.overlay,
-                 "overlay of parameters: a name in config/sensors, or the path of a file");
-  app.add_option("--preset", options.parameters.preset,
-                 "overlay for the kind of place: a name in config/presets, or the path of a file");
-  app.add_option("--parameter", options.parameters.parameters,
-                 "a single one, as 'stage/name: value' (repeatable)")
-      ->allow_extra_args(false);
-  app.add_option("--points", options.drive.topics.points, "topic (found by type if left out)");
-  app.add_option("--imu", options.drive.topics.imu, "topic");
-  app.add_option("--velocity", options.drive.topics.velocity, "topic");
-  app.add_option("--gnss", options.drive.topics.gnss, "topic");
-  app.add_option("--sensor-height", options.drive.sensor_height,
-                 "of folders: the LiDAR over base_link, m")
-      ->capture_default_str();
-  app.add_option("--start", options.start, "leave out so many seconds of the beginning")
-      ->check(not_negative());
-  app.add_option("--duration", options.duration, "end so many seconds after the start")
-      ->check(above_zero());
-  app.add_option("--threads", options.threads, "at most so many threads; 0: all cores")
-      ->check(not_negative());
+  add_drive_options(app, options);
   app.add_flag("--resume", options.resume,
                "complete the session in the output folder: to the same bytes as without a break");
   app.add_flag("--quick-resume", options.quick_resume,

@@ -5,9 +5,8 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <limits>
 #include <memory>
-#include <thread>
+#include <optional>
 #include <utility>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -20,6 +19,7 @@
 #include "child_program.hpp"
 #include "mapping_figures.hpp"
 #include "mapping_progress.hpp"
+#include "recording_part.hpp"
 #include "run_record.hpp"
 #include "session_output.hpp"
 
@@ -38,39 +38,13 @@ Resume resume_of(const MappingOptions& options) {
   return options.resume ? Resume::kExact : Resume::kNo;
 }
 
-/// Detects the end of the part of a recording that is mapped. A single stamp may be wrong, so
-/// several scans in a row have to be behind the end.
-class EndOfPart {
- public:
-  explicit EndOfPart(Stamp end) : end_(end) {}
-
-  /// True for data behind the end.
-  bool is_behind(const pipeline::Input& input) {
-    const auto* scan = std::get_if<pipeline::RecordedScan>(&input);
-    if (scan == nullptr) return false;
-    scans_ = scan->stamp >= end_ ? scans_ + 1 : 0;
-    return scans_ > 0;
-  }
-  bool is_over() const { return scans_ >= kCertain; }
-
- private:
-  /// Number of scans behind the end at which it is certain; chosen: more would only read further.
-  static constexpr int kCertain = 5;
-  Stamp end_;
-  int scans_ = 0;  ///< in a row behind the end
-};
-
 class MappingRun {
  public:
   MappingRun(const MappingOptions& options, const volatile std::sig_atomic_t& stop_requested)
       : options_(options),
         stop_requested_(stop_requested),
-        stages_(read_stage_files(options.parameters)),
+        stages_(read_stages(options_)),
         output_(options.output, resume_of(options)) {
-    stages_.pipeline.threads =
-        options.threads > 0 ? options.threads
-                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    options_.drive.base_frame = stages_.base_frame;
     options_.map.threads = options.threads;
     check_numbers(options_.map);
   }
@@ -101,8 +75,8 @@ class MappingRun {
     std::fflush(stdout);
     record_ = record_of(drive);
     output_.check(record_, stages_.texts);
-    choose_part(*drive.input);
-    progress_ = std::make_unique<MappingProgress>(begin_, end_);
+    part_.emplace(*drive.input, options_.start, options_.duration);
+    progress_ = std::make_unique<MappingProgress>(part_->begin(), part_->end());
     if (output_.is_resumed()) print_resume_state();
     if (output_.is_complete()) return output_.set_map_parameters(stages_.texts.at("map"));
     try {
@@ -137,17 +111,6 @@ class MappingRun {
     return record;
   }
 
-  /// Chooses the part of the recording by --start and --duration.
-  void choose_part(const pipeline::InputSource& input) {
-    begin_ = input.begin() + from_seconds(options_.start);
-    end_ = input.end();
-    if (begin_ >= end_ && options_.start > 0.0) {
-      throw InputError("--start " + std::to_string(options_.start) + ": the recording lasts " +
-                       std::to_string(to_seconds(input.end() - input.begin())) + " s");
-    }
-    if (options_.duration > 0.0) end_ = std::min(end_, begin_ + from_seconds(options_.duration));
-  }
-
   void print_resume_state() const {
     const char* rest =
         output_.is_complete() ? "all of the recording is mapped"
@@ -168,11 +131,11 @@ class MappingRun {
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         stages_.pipeline, std::move(session),
         [&input](const std::string& frame) { return input.T_base(frame); });
-    mapped_from_ = std::max(begin_, pipeline_->resume_time().value_or(begin_));
+    mapped_from_ = std::max(part_->begin(), pipeline_->resume_time().value_or(part_->begin()));
     if (mapped_from_ > input.begin()) input.skip_to(mapped_from_);
     progress_->begin_at(mapped_from_);
     const ThreadTime reading;
-    EndOfPart part(options_.duration > 0.0 ? end_ : std::numeric_limits<Stamp>::max());
+    EndOfPart part(part_->limit());
     while (stop_requested_ == 0 && !part.is_over()) {
       auto datum = input.next();
       if (!datum) break;
@@ -214,8 +177,8 @@ class MappingRun {
       products = progress_->seconds() - mapped;
     }
     if (output_.is_complete()) return finish(0);
-    const double driven =
-        to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - mapped_from_));
+    const double driven = to_seconds(
+        std::max<Stamp>(0, std::min(part_->end(), report_.progress.newest) - mapped_from_));
     const auto figures = mapping_figures(report_, driven, times(mapped, products));
     std::printf("%s", to_text(figures).c_str());
     if (!options_.figures.empty()) {
@@ -253,9 +216,8 @@ class MappingRun {
   StageFiles stages_;
   SessionOutput output_;
   report::RunRecord record_;
-  Stamp begin_ = 0;  ///< of the part that is mapped
-  Stamp end_ = 0;
-  Stamp mapped_from_ = 0;  ///< later if a session is resumed
+  std::optional<RecordingPart> part_;  ///< that is mapped
+  Stamp mapped_from_ = 0;              ///< later if a session is resumed
   std::unique_ptr<MappingProgress> progress_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   pipeline::PipelineReport report_;

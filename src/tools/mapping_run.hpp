@@ -4,22 +4,16 @@
 #include <csignal>
 #include <string>
 
-#include "drive_input.hpp"
+#include "drive_arguments.hpp"
 #include "map_output.hpp"
-#include "stage_files.hpp"
 
 namespace lidar_mapping::tools {
 
 /// Options of map_bag.
-struct MappingOptions {
-  recordings::DriveSelection drive;
+struct MappingOptions : DriveArguments {
   std::string output;
-  ParameterSources parameters;
-  std::string figures;    ///< path of a JSON file for times and counts; empty: none
-  std::string command;    ///< as it was typed
-  double start = 0.0;     ///< length of the beginning that is left out, s
-  double duration = 0.0;  ///< length of the part that is mapped, s; 0: to the end
-  int threads = 0;        ///< 0: all cores
+  std::string figures;  ///< path of a JSON file for times and counts; empty: none
+  std::string command;  ///< as it was typed
   bool resume = false;
   bool quick_resume = false;
   bool no_map = false;

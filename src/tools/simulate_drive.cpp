@@ -76,6 +76,9 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--seed", drive.seed, "seed of the world and of all noise")->capture_default_str();
   app.add_option("--pass", drive.pass, "so many days later in the same town: own traffic and noise")
       ->capture_default_str();
+  app.add_flag("--reverse", drive.reverse, "the same route in the opposite direction");
+  app.add_option("--parked", drive.parked, "day of the parked cars: each has others")
+      ->capture_default_str();
   app.add_option("--start", drive.start, "leave out so many seconds of the beginning");
   app.add_option("--duration", drive.duration,
                  "end the drive after so many seconds, counted from its beginning");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 
@@ -16,13 +18,18 @@
 namespace lidar_mapping::simulation {
 namespace {
 
+const std::string kReverse = "_reverse";  // at the end of the name of a drive
+
+bool is_reverse(const std::string& name) { return name.find(kReverse) != std::string::npos; }
+
 /// Drives, each built once for all tests, because building a world takes a second.
 const Drive& drive_of(const std::string& name) {
   static std::map<std::string, std::unique_ptr<Drive>> built;
   std::unique_ptr<Drive>& drive = built[name];
   if (!drive) {
     DriveOptions options;
-    options.drive = name;
+    options.drive = name.substr(0, name.find(kReverse));
+    options.reverse = is_reverse(name);
     options.rounds = 1;
     drive = std::make_unique<Drive>(options);
   }
@@ -65,9 +72,18 @@ class EveryCar : public EveryDrive {};
 /// All drives except the one in an elevator, whose car moves around the carrier.
 class EveryDriveOutside : public EveryDrive {};
 
+/// Also those that are driven in reverse.
+std::vector<std::string> all_drives() {
+  std::vector<std::string> names = drive_names();
+  for (const char* name : {"town", "figure_eight", "open_road", "car_park", "twins", "city"}) {
+    names.push_back(name + kReverse);
+  }
+  return names;
+}
+
 std::vector<std::string> names_where(bool (*is_wanted)(const std::string& name)) {
   std::vector<std::string> names;
-  for (const std::string& name : drive_names()) {
+  for (const std::string& name : all_drives()) {
     if (is_wanted(name)) names.push_back(name);
   }
   return names;
@@ -141,7 +157,7 @@ TEST_P(EveryDrive, MotionStaysWithinLimitsOfCarrier) {
 
 std::string name_of(const testing::TestParamInfo<std::string>& drive) { return drive.param; }
 
-INSTANTIATE_TEST_SUITE_P(Drives, EveryDrive, testing::ValuesIn(drive_names()), name_of);
+INSTANTIATE_TEST_SUITE_P(Drives, EveryDrive, testing::ValuesIn(all_drives()), name_of);
 INSTANTIATE_TEST_SUITE_P(Drives, EveryCar,
                          testing::ValuesIn(names_where([](const std::string& name) {
                            return kCarriers.count(name) == 0;
@@ -180,6 +196,79 @@ Revisits revisits(const Drive& drive) {
     if (opposite < 5.0) found.opposite_direction += path_length[i] - path_length[i - 1];
   }
   return found;
+}
+
+/// Share of the poses of a drive that the one in reverse passes in the opposite direction, within
+/// `distance` m.
+double share_passed(const std::string& name, double distance) {
+  const std::vector<Pose> there = poses_every(drive_of(name), 0.5);
+  const std::vector<Pose> back = poses_every(drive_of(name + kReverse), 0.1);
+  const auto is_passed = [&](const Pose& pose) {
+    return std::any_of(back.begin(), back.end(), [&](const Pose& other) {
+      const double turn =
+          std::remainder(yaw_of(pose.rotation) - yaw_of(other.rotation), 2.0 * M_PI);
+      return (pose.translation - other.translation).norm() < distance &&
+             std::abs(turn) > M_PI - 0.3;
+    });
+  };
+  return static_cast<double>(std::count_if(there.begin(), there.end(), is_passed)) /
+         static_cast<double>(there.size());
+}
+
+TEST(ReverseDrive, PassesTheSameRouteInTheOppositeDirection) {
+  EXPECT_GT(share_passed("town", 6.0), 0.85);
+  EXPECT_GT(share_passed("open_road", 6.0), 0.9);
+  EXPECT_GT(share_passed("car_park", 3.5), 0.9);
+}
+
+TEST(ReverseDrive, LeavesTheWorldAsItIs) {
+  for (const char* name : {"town", "open_road", "car_park"}) {
+    EXPECT_EQ(drive_of(name + kReverse).world().fixed.vertices,
+              drive_of(name).world().fixed.vertices)
+        << name;
+  }
+}
+
+TEST(ReverseDrive, IsRefusedWhereItHasNoMeaning) {
+  DriveOptions options;
+  options.drive = "tunnel";
+  options.reverse = true;
+  EXPECT_THROW(Drive{options}, ConfigError);
+  options.reverse = false;
+  options.parked = 1;
+  EXPECT_THROW(Drive{options}, ConfigError);
+}
+
+/// Vertices of one world that the other one lacks.
+std::size_t only_in(const Drive& drive, const Drive& other) {
+  const auto less = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
+  auto vertices = drive.world().fixed.vertices, others = other.world().fixed.vertices;
+  std::sort(vertices.begin(), vertices.end(), less);
+  std::sort(others.begin(), others.end(), less);
+  decltype(vertices) rest;
+  std::set_difference(vertices.begin(), vertices.end(), others.begin(), others.end(),
+                      std::back_inserter(rest), less);
+  return rest.size();
+}
+
+TEST(ParkedCars, OfAnotherDayAreOthersAndAllElseStands) {
+  for (const char* name : {"town", "car_park"}) {
+    DriveOptions options;
+    options.drive = name;
+    options.parked = 1;
+    const Drive other(options);
+    options.parked = 2;
+    const Drive third(options);
+    const std::size_t changed = only_in(other, drive_of(name));
+    EXPECT_GT(changed, 1000U) << name;
+    EXPECT_GT(only_in(other, third), 1000U) << name;
+    EXPECT_LT(changed, other.world().fixed.vertices.size() / 2) << name;
+    // What stays is the larger part of both worlds.
+    EXPECT_LT(only_in(drive_of(name), other), drive_of(name).world().fixed.vertices.size() / 2)
+        << name;
+  }
 }
 
 TEST(TownDrive, AnotherPassHasOtherTraffic) {

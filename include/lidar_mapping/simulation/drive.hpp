@@ -39,6 +39,11 @@ struct DriveOptions {
   /// Number of the pass: each gives another traffic and noise in the same world (towns only), so
   /// many days later.
   std::uint64_t pass = 0;
+  /// The same route in the opposite direction, on the other lane: towns, `open_road`, `car_park`.
+  bool reverse = false;
+  /// Number of the day of the parked cars: each has other ones in the same world. For towns and
+  /// `car_park`; 0: those of the seed.
+  std::uint64_t parked = 0;
   double start = 0.0;              ///< Data before this time are left out, s.
   std::optional<double> duration;  ///< The drive ends after this time, s; none: the whole drive.
   int rounds = 2;                  ///< Rounds of the drive `city`; other drives ignore it.

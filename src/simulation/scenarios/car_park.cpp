@@ -63,6 +63,15 @@ struct Profile {
   }
 };
 
+/// The profile of the same path in the opposite direction.
+Profile reversed_profile(Profile profile, const Path& path) {
+  std::reverse(profile.heights.begin(), profile.heights.end());
+  const double from = profile.covered_from;
+  profile.covered_from = path.length() - profile.covered_to;
+  profile.covered_to = path.length() - from;
+  return profile;
+}
+
 bool on_ramp(const Path& path, double s) {
   const Eigen::Vector2d at = path.position(s);
   return std::abs(at.y() - kRampY) < 1.5 && at.x() > kRampFoot && at.x() < kRampTop &&
@@ -147,7 +156,7 @@ void add_towers(TriangleMesh& mesh, double z, double height) {
   add_block(mesh, {0.3, kWidth - 3.0, z}, {3.0, kWidth - 0.3, z + height}, kPavement);
 }
 
-void add_parked_cars(TriangleMesh& mesh, double z, Random& random) {
+void park_cars(TriangleMesh& mesh, double z, Random& random) {
   for (const auto& [y, yaw] : {std::pair{3.0, -0.5 * kPi}, std::pair{kWidth - 3.0, 0.5 * kPi}}) {
     for (double x = 6.5; x < kLength - 7.0; x += 2.6) {
       const double turn = yaw + (random.chance(0.3) ? kPi : 0.0) + random.uniform(-0.04, 0.04);
@@ -160,7 +169,17 @@ void add_parked_cars(TriangleMesh& mesh, double z, Random& random) {
   }
 }
 
-void add_building(TriangleMesh& mesh, Random& random) {
+/// Draws the numbers of the seed's cars on every day, so that all but the cars is the same.
+void add_parked_cars(TriangleMesh& mesh, double z, Random& random, std::uint64_t day) {
+  const Random before = random;
+  TriangleMesh unused;
+  park_cars(day == 0 ? mesh : unused, z, random);
+  if (day == 0) return;
+  Random of_day(Random(before).bits(), day);
+  park_cars(mesh, z, of_day);
+}
+
+void add_building(TriangleMesh& mesh, Random& random, std::uint64_t day) {
   add_plate(mesh, 0.0, 0.0, kLength, kWidth, 0.02, kConcrete);
   for (int storey = 0; storey < kStoreys; ++storey) {
     const double z = storey * kStorey;
@@ -172,7 +191,7 @@ void add_building(TriangleMesh& mesh, Random& random) {
     }
     add_parapet(mesh, z, storey == 0);
     add_towers(mesh, z, is_top ? 2.8 : kStorey - kSlab);
-    add_parked_cars(mesh, z, random);
+    add_parked_cars(mesh, z, random, day);
   }
 }
 
@@ -212,8 +231,10 @@ double time_at(const std::vector<double>& stations, double station) {
 }  // namespace
 
 Scenario make_car_park(const DriveOptions& options) {
-  const Path path = Path::rounded(corners(), 5.5);
-  const Profile profile = make_profile(path);
+  const Path in = Path::rounded(corners(), 5.5);
+  const Path path = options.reverse ? reversed(in, 0.0) : in;
+  const Profile profile =
+      options.reverse ? reversed_profile(make_profile(in), in) : make_profile(in);
   RoadDrive drive{path, 3.0, path.length() - 3.0, {5.0, 1.5, 1.2}, {}};
   const std::vector<double> stations = drive.stations();
   Scenario scenario{
@@ -223,7 +244,7 @@ Scenario make_car_park(const DriveOptions& options) {
       {{time_at(stations, profile.covered_from), time_at(stations, profile.covered_to)}}};
   Random random(options.seed, kMesh);
   add_ground(scenario.world.fixed, Terrain(), {-110.0, -70.0}, {140.0, 110.0}, 10.0, kAsphalt);
-  add_building(scenario.world.fixed, random);
+  add_building(scenario.world.fixed, random, options.parked);
   add_neighbours(scenario.world.fixed, random);
   return scenario;
 }

@@ -72,8 +72,11 @@ void add_posts(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Ran
 
 Scenario make_open_road(const DriveOptions& options) {
   const Terrain terrain(Random(options.seed, kTerrain), 6, 110.0, 300.0, 0.05);
-  const Path path = Path::rounded(corners(Random(options.seed, kPath)), 45.0).weaving(0.15, 1.0);
-  RoadDrive drive{path, 2.0, path.length() - 15.0, {17.0, 2.4, 1.8}, {}};
+  const Path forward = Path::rounded(corners(Random(options.seed, kPath)), 45.0).weaving(0.15, 1.0);
+  const Path backward = reversed(forward, 2.0 * kLane);
+  const Path& path = options.reverse ? backward : forward;
+  RoadDrive drive = drive_along(path, 2.0, 15.0, options.reverse);
+  drive.limits = {17.0, 2.4, 1.8};
   const std::vector<double> stations = drive.stations();
   Scenario scenario{{},
                     vehicle_trajectory(path, stations, ground_along(path, terrain),
@@ -83,11 +86,11 @@ Scenario make_open_road(const DriveOptions& options) {
   Random random(options.seed, kMesh);
   TriangleMesh& mesh = scenario.world.fixed;
   add_meadow(mesh, terrain, {-250.0, -170.0}, {440.0, 350.0}, Random(random.bits()));
-  add_road_strip(mesh, terrain, path, kLane, kRoadHalfWidth);
-  add_plants(mesh, terrain, path, random);
-  add_posts(mesh, terrain, path, random);
+  add_road_strip(mesh, terrain, forward, kLane, kRoadHalfWidth);
+  add_plants(mesh, terrain, forward, random);
+  add_posts(mesh, terrain, forward, random);
   if (options.movers) {
-    const TrafficLane oncoming{reversed(path, 2.0 * kLane), 12.0, 18.0};
+    const TrafficLane oncoming{options.reverse ? forward : backward, 12.0, 18.0};
     add_traffic(scenario.world, {oncoming}, terrain, scenario.trajectory, 5,
                 Random(options.seed, kTraffic));
   }

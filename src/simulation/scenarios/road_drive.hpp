@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "motion/path.hpp"
@@ -21,6 +22,13 @@ struct RoadDrive {
     return stations_over_time(path, begin, end, limits, halts);
   }
 };
+
+/// The drive along a path without its first `begin` and its last `end` metres; of one that is
+/// driven in reverse, these are the other way round.
+inline RoadDrive drive_along(const Path& path, double begin, double end, bool reverse) {
+  if (reverse) std::swap(begin, end);
+  return {path, begin, path.length() - end, {}, {}};
+}
 
 /// The terrain under a path. Both must outlive the result.
 inline GroundUnder ground_along(const Path& path, const Terrain& terrain) {

@@ -83,10 +83,11 @@ Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
   const std::uint64_t day = day_seed(options, seed);
   const TownLayout layout(plan.columns, plan.rows, plan.rows_alike, Random(seed, kLayout));
   const Terrain terrain(Random(seed, kTerrain), 5, 180.0, 420.0, plan.slope);
-  const std::vector<Crossing> route = with_all_crossings(plan.route);
+  std::vector<Crossing> route = with_all_crossings(plan.route);
+  if (options.reverse) std::reverse(route.begin(), route.end());
   const Path path = Path::rounded(layout.lane_corners(route, kLaneOffset), kTurnRadius)
                         .weaving(0.2, Random(day, kMotion).uniform(0.0, 6.0));
-  RoadDrive drive{path, kBeginOfDrive, path.length() - plan.end_before, {}, {}};
+  RoadDrive drive = drive_along(path, kBeginOfDrive, plan.end_before, options.reverse);
   for (const double fraction : plan.halts) drive.halts.push_back({fraction * path.length(), 4.0});
   const std::vector<double> stations = drive.stations();
   Scenario scenario{
@@ -94,7 +95,7 @@ Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
       vehicle_trajectory(path, stations, ground_along(path, terrain), Random(day, kMotion)),
       car_mounting(),
       {}};
-  scenario.world.fixed = make_town_mesh(layout, terrain, Random(seed, kMesh));
+  scenario.world.fixed = make_town_mesh(layout, terrain, Random(seed, kMesh), options.parked);
   if (options.movers) {
     Random random(day, kTraffic);
     add_car_ahead(scenario.world, path, stations, terrain, Random(random.bits()));

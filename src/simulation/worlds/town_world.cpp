@@ -39,8 +39,8 @@ constexpr double kPavementWidth = 2.6;  ///< m; chosen, as in usual streets
 
 class BlockBuilder {
  public:
-  BlockBuilder(TriangleMesh& mesh, const Terrain& terrain, Random random)
-      : mesh_(mesh), terrain_(terrain), random_(random) {}
+  BlockBuilder(TriangleMesh& mesh, const Terrain& terrain, Random random, std::uint64_t parking_day)
+      : mesh_(mesh), terrain_(terrain), random_(random), parking_day_(parking_day) {}
 
   void build(const std::array<Eigen::Vector2d, 4>& corners) {
     add_raised_patch(mesh_, terrain_, corners, kKerbHeight, {kPavement, kKerbStone});
@@ -151,25 +151,38 @@ class BlockBuilder {
     }
   }
 
+  /// Draws the numbers of the world's own cars on every day, so that all but the cars is the same.
   void add_parked_cars(const Frontage& side) {
-    const double density = random_.uniform(0.2, 0.8);
-    for (double s = 9.0; s < side.length - 9.0; s += random_.uniform(5.6, 7.4)) {
-      if (!random_.chance(density)) continue;
-      const Eigen::Vector2d at = side.at(s, -1.1 + random_.uniform(-0.1, 0.15));
-      const double yaw = side.yaw + random_.uniform(-0.03, 0.03);
-      append(mesh_, random_.chance(0.15) ? make_van(split()) : make_car(split()),
-             on_slope(terrain_, at, yaw));
+    const Random before = random_;
+    TriangleMesh unused;
+    park_cars(parking_day_ == 0 ? mesh_ : unused, side, random_);
+    if (parking_day_ == 0) return;
+    Random of_day(Random(before).bits(), parking_day_);
+    park_cars(mesh_, side, of_day);
+  }
+
+  void park_cars(TriangleMesh& mesh, const Frontage& side, Random& random) const {
+    const double density = random.uniform(0.2, 0.8);
+    for (double s = 9.0; s < side.length - 9.0; s += random.uniform(5.6, 7.4)) {
+      if (!random.chance(density)) continue;
+      const Eigen::Vector2d at = side.at(s, -1.1 + random.uniform(-0.1, 0.15));
+      const double yaw = side.yaw + random.uniform(-0.03, 0.03);
+      const bool is_van = random.chance(0.15);
+      const Random own(random.bits());
+      append(mesh, is_van ? make_van(own) : make_car(own), on_slope(terrain_, at, yaw));
     }
   }
 
   TriangleMesh& mesh_;
   const Terrain& terrain_;
   Random random_;
+  std::uint64_t parking_day_;
 };
 
 }  // namespace
 
-TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random) {
+TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random,
+                            std::uint64_t parking_day) {
   TriangleMesh mesh;
   const std::uint64_t seed = random.bits();
   const Eigen::Vector2d margin(25.0, 25.0);
@@ -178,7 +191,7 @@ TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Ra
   for (int row = 0; row + 1 < layout.rows(); ++row) {
     for (int column = 0; column + 1 < layout.columns(); ++column) {
       const int block = layout.rows_alike() ? column : row * layout.columns() + column;
-      BlockBuilder(mesh, terrain, Random(seed, static_cast<std::uint64_t>(block)))
+      BlockBuilder(mesh, terrain, Random(seed, static_cast<std::uint64_t>(block)), parking_day)
           .build(layout.block({column, row}));
     }
   }

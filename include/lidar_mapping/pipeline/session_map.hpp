@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "lidar_mapping/localization/map_index.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// A session as a finished map in which drives are localised (doc/localization.md). The session is
+/// only read. One thread at a time uses it.
+class SessionMap {
+ public:
+  /// Opens the session, or `latest` in the folder, and reads all clouds of its key frames by at
+  /// most `threads` threads (0: all cores). Throws FileError, and InputError if the session has no
+  /// optimised poses or no clouds.
+  SessionMap(const std::filesystem::path& folder,
+             const loop_closing::LoopClosingConfig& verification, int threads);
+
+  /// The map for localization::Localizer, which must not outlive this object.
+  localization::MapIndex& index() { return index_; }
+  /// Geodetic origin of the map, which is then East-North-Up; none without GNSS.
+  std::optional<GeodeticDatum> datum() const;
+  /// The points of all key frames in the map, one for each voxel of edge `resolution` (m); for
+  /// display.
+  PointCloud cloud(double resolution) const;
+  /// Folder of the session.
+  const std::filesystem::path& directory() const { return session_.directory(); }
+
+ private:
+  session::Session session_;
+  localization::MapIndex index_;
+};
+
+}  // namespace lidar_mapping::pipeline

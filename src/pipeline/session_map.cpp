@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/pipeline/session_map.hpp"
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/loop_closing/voxel_means.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+using session::Session;
+
+/// A session of an older version may not know where its LiDAR was. The viewpoint only tells the
+/// sides of thin plates apart, so base_link, which is some metres from it, stands for it.
+localization::MapSource source_of(const Session& session) {
+  localization::MapSource source;
+  source.key_frames = session.key_frames();
+  source.poses = session.poses();
+  source.p_base_lidar = session.sensor_origin().value_or(Eigen::Vector3d::Zero());
+  if (!source.poses.poses.empty()) return source;
+  throw InputError("the session in " + session.directory().string() +
+                   " has no optimised poses, so it is no map yet; optimize_session makes them");
+}
+
+}  // namespace
+
+SessionMap::SessionMap(const std::filesystem::path& folder,
+                       const loop_closing::LoopClosingConfig& verification, int threads)
+    : session_(Session::open(folder, Session::Access::kRead)),
+      index_(source_of(session_), session_.clouds(), verification,
+             std::filesystem::temp_directory_path(), threads) {}
+
+PointCloud SessionMap::cloud(double resolution) const {
+  loop_closing::VoxelMeans voxels;
+  voxels.reset(resolution);
+  for (const KeyFramePose& pose : session_.poses().poses) {
+    const PointCloudPtr cloud = session_.clouds().cloud(pose.index);
+    if (!cloud) continue;
+    for (const Point& p : transformed(*cloud, pose.T_map_base).points) voxels.add(p.position());
+  }
+  PointCloud result;
+  for (const Eigen::Vector3f& p : voxels.points()) result.points.push_back({p.x(), p.y(), p.z()});
+  return result;
+}
+
+std::optional<GeodeticDatum> SessionMap::datum() const {
+  return session_.gnss().empty() ? std::nullopt : session_.datum();
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/evaluation/trajectory_errors.hpp"
+
+#include "program.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Program;
+using test::TemporaryFolder;
+using test::Words;
+
+/// The map of a part of the figure eight, made by an OS1-64, and other drives through it: of
+/// another day, with other cars, in the other direction, by another sensor.
+class LocalizeBag : public testing::Test {
+ protected:
+  static const fs::path& root() {
+    static const TemporaryFolder folder;
+    return folder.path();
+  }
+  static int run(const std::string& program, const Words& words) {
+    return Program(program, words, root() / "log").wait();
+  }
+  static std::string content(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  static std::string said() { return content(root() / "log"); }
+  static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
+
+  /// Simulates a drive once; its truth lies beside it.
+  static std::string bag(const std::string& name, Words words) {
+    const fs::path path = root() / (name + ".bag");
+    if (fs::exists(path)) return path;
+    words.insert(words.begin(), {path.string(), "--drive", "figure_eight", "--truth",
+                                 (root() / (name + ".tum")).string()});
+    EXPECT_EQ(run("simulate_drive", words), 0) << said();
+    return path;
+  }
+  static std::string map() {
+    const fs::path session = root() / "map";
+    if (fs::exists(session)) return session;
+    const std::string drive = bag("mapping", {"--lidar", "os1_64", "--duration", "45"});
+    EXPECT_EQ(run("map_bag", {drive, "-o", session, "--no-map"}), 0) << said();
+    return session;
+  }
+  static std::string other_day() {
+    return bag("other_day", {"--lidar", "vlp16", "--pass", "1", "--parked", "1", "--start", "6",
+                             "--duration", "32"});
+  }
+  static std::string way_back() {
+    return bag("way_back", {"--lidar", "os1_64", "--pass", "2", "--parked", "2", "--reverse",
+                            "--start", "24", "--duration", "50"});
+  }
+  static int localize(const std::string& drive, const fs::path& output, Words more = {}) {
+    more.insert(more.begin(), {drive, map(), "-o", output.string()});
+    return run("localize_bag", more);
+  }
+
+  /// T_truth_map: where the map lies in the simulated world. The mapping drive's own errors of some
+  /// millimetres stay in the errors of a drive that is localised.
+  static Pose T_truth_map() {
+    return evaluation::rigid_alignment(
+        evaluation::associate(read_trajectory(root() / "mapping.tum"),
+                              read_trajectory(fs::path(map()) / "trajectory/optimized.tum")));
+  }
+  /// Errors of a localised drive against the truth of its bag.
+  static evaluation::PoseErrors errors_of(const std::string& name, const fs::path& output) {
+    const auto pairs = evaluation::associate(read_trajectory(root() / (name + ".tum")),
+                                             read_trajectory(output / "trajectory/localized.tum"));
+    const auto errors = evaluation::absolute_pose_error(evaluation::aligned(pairs, T_truth_map()));
+    std::printf("%s: %zu poses, %.3f m rms, %.3f m at most, %.3f degrees rms, %.3f at most\n",
+                name.c_str(), pairs.size(), errors.translation_m.rmse, errors.translation_m.max,
+                errors.rotation_deg.rmse, errors.rotation_deg.max);
+    return errors;
+  }
+};
+
+TEST_F(LocalizeBag, FindsADriveOfAnotherDayByAnotherSensor) {
+  const fs::path output = root() / "day";
+  ASSERT_EQ(localize(other_day(), output), 0) << said();
+  EXPECT_TRUE(has_said("found after")) << said();
+  const auto errors = errors_of("other_day", output);
+  EXPECT_GT(errors.translation_m.count, 200U);
+  EXPECT_LT(errors.translation_m.max, 0.5);
+  EXPECT_LT(errors.rotation_deg.max, 2.0);
+  EXPECT_LT(errors.translation_m.rmse, 0.05);
+}
+
+TEST_F(LocalizeBag, FindsADriveInTheOppositeDirection) {
+  const fs::path output = root() / "back";
+  ASSERT_EQ(localize(way_back(), output), 0) << said();
+  const auto errors = errors_of("way_back", output);
+  EXPECT_GT(errors.translation_m.count, 150U);
+  EXPECT_LT(errors.translation_m.max, 0.5);
+  EXPECT_LT(errors.rotation_deg.max, 2.0);
+  EXPECT_LT(errors.translation_m.rmse, 0.05);
+}
+
+TEST_F(LocalizeBag, GivesTheSameBytesForAnyNumberOfThreads) {
+  const auto with_threads = [&](const std::string& threads) {
+    const fs::path output = root() / ("threads_" + threads);
+    EXPECT_EQ(localize(other_day(), output, {"--duration", "8", "--threads", threads}), 0)
+        << said();
+    return content(output / "trajectory/localized.tum") + content(output / "localization.csv");
+  };
+  const std::string by_one = with_threads("1");
+  EXPECT_GT(by_one.size(), 5000U);
+  EXPECT_EQ(by_one, with_threads("3"));
+}
+
+TEST_F(LocalizeBag, SaysThatADriveIsNotInTheMap) {
+  const std::string elsewhere =
+      bag("elsewhere", {"--lidar", "vlp16", "--seed", "77", "--duration", "10"});
+  const fs::path output = root() / "nowhere";
+  EXPECT_EQ(localize(elsewhere, output), 5) << said();
+  EXPECT_TRUE(has_said("the drive was never found in the map")) << said();
+  EXPECT_EQ(content(output / "trajectory/localized.tum"), "");
+  EXPECT_NE(content(output / "localization.csv").find(",searching,"), std::string::npos);
+}
+
+TEST_F(LocalizeBag, TakesAnInitialPoseAndIsNotMisledByAWrongOne) {
+  const auto truth = read_trajectory((other_day(), root() / "other_day.tum"));
+  const Pose begin = T_truth_map().inverse() * truth.poses.front().pose;
+  const auto pose_words = [](const Pose& pose, double shift) {
+    return Words{"--duration",
+                 "8",
+                 "--initial-pose",
+                 std::to_string(pose.translation.x() + shift),
+                 std::to_string(pose.translation.y()),
+                 std::to_string(pose.translation.z()),
+                 "0",
+                 "0",
+                 std::to_string(yaw_of(pose.rotation) * kDegPerRad)};
+  };
+  for (const double shift : {2.0, 60.0}) {
+    const fs::path output = root() / ("claimed_" + std::to_string(shift));
+    EXPECT_EQ(localize(other_day(), output, pose_words(begin, shift)), 0) << said();
+    EXPECT_LT(errors_of("other_day", output).translation_m.max, 0.5) << shift;
+  }
+}
+
+TEST_F(LocalizeBag, LeavesAFolderAloneThatIsNotEmpty) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "diary.txt") << "mine";
+  EXPECT_EQ(localize(other_day(), folder.path()), 1);
+  EXPECT_TRUE(has_said("exists and is no empty folder")) << said();
+}
+
+TEST_F(LocalizeBag, WritesFiguresAsJson) {
+  const fs::path figures = root() / "figures.json";
+  EXPECT_EQ(
+      localize(other_day(), root() / "timed", {"--duration", "4", "--figures", figures.string()}),
+      0)
+      << said();
+  EXPECT_NE(content(figures).find("\"found_after\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
+
+#include "localize_files.hpp"
+#include "localize_summary.hpp"
+#include "near.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using localization::LocalizationState;
+using test::TemporaryFolder;
+
+const GeodeticDatum kKarlsruhe{49.0, 8.4, 110.0};
+
+LocalizedScan scan_with(LocalizationState state, Stamp stamp) {
+  LocalizedScan scan;
+  scan.result.state = state;
+  scan.result.stamp = stamp;
+  scan.result.reason = "the map shows it, all of it";
+  scan.result.T_map_base.translation = {3.0, 4.0, 0.5};
+  scan.result.covariance = diagonal_covariance(0.02, 0.001);
+  scan.result.probability = 0.999;
+  scan.result.agreement = 0.8;
+  scan.result.coverage = 0.9;
+  scan.path = to_seconds(stamp);
+  scan.seconds = 0.002;
+  return scan;
+}
+
+/// Searched for two seconds, then followed, then beside the map.
+std::vector<LocalizedScan> short_drive() {
+  return {scan_with(LocalizationState::kSearching, 1'000'000'000),
+          scan_with(LocalizationState::kFollowing, 3'000'000'001),
+          scan_with(LocalizationState::kFollowing, 4'000'000'000),
+          scan_with(LocalizationState::kBesideMap, 5'000'000'000)};
+}
+
+/// Cells of a line; a comma between quotes does not end one.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  bool is_quoted = false;
+  for (const char c : line) {
+    if (c == '"') is_quoted = !is_quoted;
+    if (c == ',' && !is_quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+/// The rows of a table by the names of its columns.
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  const std::vector<std::string> names = cells_of(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(lines, line)) {
+    const std::vector<std::string> cells = cells_of(line);
+    EXPECT_EQ(cells.size(), names.size()) << line;
+    rows.emplace_back();
+    for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i) {
+      rows.back()[names[i]] = cells[i];
+    }
+  }
+  return rows;
+}
+
+TEST(LocalizationCsv, HasARowForEachScanWithAllDigitsOfItsStamp) {
+  const auto rows = rows_of(localization_csv(short_drive(), std::nullopt));
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0].at("state"), "searching");
+  EXPECT_EQ(rows[1].at("stamp"), "3.000000001");
+  EXPECT_EQ(rows[1].at("state"), "following");
+  EXPECT_EQ(rows[3].at("state"), "beside_map");
+  EXPECT_EQ(rows[1].at("reason"), "\"the map shows it, all of it\"");
+  EXPECT_EQ(rows[1].count("latitude_deg"), 0U);
+}
+
+TEST(LocalizationCsv, LeavesPosesEmptyWhereNoneIsClaimed) {
+  const auto rows = rows_of(localization_csv(short_drive(), kKarlsruhe));
+  for (const char* name :
+       {"x", "y", "z", "qx", "qw", "stddev_x", "stddev_yaw_deg", "latitude_deg", "northing"}) {
+    EXPECT_EQ(rows[0].at(name), "") << name;
+    EXPECT_NE(rows[1].at(name), "") << name;
+    EXPECT_NE(rows[3].at(name), "") << name;
+  }
+  EXPECT_NEAR(std::stod(rows[1].at("x")), 3.0, 1e-3);
+  EXPECT_NEAR(std::stod(rows[1].at("stddev_z")), 0.02, 1e-3);
+  EXPECT_NEAR(std::stod(rows[1].at("stddev_yaw_deg")), 0.0573, 1e-3);
+}
+
+TEST(LocalizationCsv, HasPositionsOnTheEarthWhereTheMapHasADatum) {
+  const auto row = rows_of(localization_csv(short_drive(), kKarlsruhe))[1];
+  // Metres per degree on the WGS 84 ellipsoid at 49 degrees north.
+  EXPECT_NEAR(std::stod(row.at("latitude_deg")), 49.0 + 4.0 / 111'210.0, 1e-7);
+  EXPECT_NEAR(std::stod(row.at("longitude_deg")), 8.4 + 3.0 / 73'170.0, 1e-7);
+  EXPECT_NEAR(std::stod(row.at("altitude_m")), 110.5, 1e-2);
+  EXPECT_NEAR(std::stod(row.at("easting")), 456'121.0, 50.0);
+  EXPECT_NEAR(std::stod(row.at("northing")), 5'427'650.0, 150.0);
+}
+
+TEST(LocalizationFiles, HoldThePosesInATrajectory) {
+  const TemporaryFolder folder;
+  write_localization(folder.path() / "new", short_drive(), std::nullopt);
+  const Trajectory poses = read_trajectory(folder.path() / "new" / "trajectory/localized.tum");
+  ASSERT_EQ(poses.poses.size(), 3U);  // all but the one that was searched for
+  EXPECT_EQ(poses.poses[0].stamp, 3'000'000'001);
+  EXPECT_TRUE(test::near(poses.poses[0].pose.translation, Eigen::Vector3d(3.0, 4.0, 0.5), 1e-6));
+  EXPECT_THROW(check_new_folder(folder.path() / "new"), FileError);
+  EXPECT_NO_THROW(check_new_folder(folder.path() / "another"));
+}
+
+TEST(LocalizationFigures, CountStatesAndSayWhenThePlaceWasFound) {
+  const json::Json figures = localization_figures(short_drive());
+  EXPECT_EQ(figures["scans"], 4);
+  EXPECT_EQ(figures["states"]["following"], 2);
+  EXPECT_EQ(figures["states"]["lost"], 0);
+  EXPECT_NEAR(figures["found_after"]["seconds"], 2.0, 1e-6);
+  EXPECT_NEAR(figures["found_after"]["metres"], 3.0, 1e-6);
+  EXPECT_NEAR(figures["mean_agreement"], 0.8, 1e-9);
+  EXPECT_NEAR(figures["milliseconds"]["searching"]["mean"], 2.0, 1e-9);
+  const std::string text = localization_text(figures);
+  EXPECT_NE(text.find("found after 2.0 s and 3.0 m"), std::string::npos) << text;
+  EXPECT_NE(text.find("50.0 % followed, 25.0 % beside the map, 0.0 % lost, 25.0 % searching"),
+            std::string::npos)
+      << text;
+}
+
+TEST(LocalizationFigures, SayNothingOfAPlaceThatWasNotFound) {
+  const json::Json figures =
+      localization_figures({scan_with(LocalizationState::kSearching, 1'000'000'000)});
+  EXPECT_TRUE(figures["found_after"].is_null());
+  EXPECT_EQ(localization_text(figures).find("found after"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
