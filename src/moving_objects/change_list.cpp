@@ -2,6 +2,9 @@
 #include "lidar_mapping/moving_objects/change_list.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
 
 namespace lidar_mapping::moving_objects {
 
@@ -30,6 +33,12 @@ Voxels taken_connected(Voxels& voxels) {
   return taken;
 }
 
+Eigen::Vector2d mean_of(const PointCloud& points) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Point& point : points.points) sum += point.position().head<2>().cast<double>();
+  return sum / static_cast<double>(points.size());
+}
+
 Change change_of(const Voxels& voxels, ChangeKind kind, std::uint32_t absent) {
   Change change{kind, absent, voxels.begin()->second, {}, {}, {}};
   Eigen::AlignedBox3d box;
@@ -45,9 +54,28 @@ Change change_of(const Voxels& voxels, ChangeKind kind, std::uint32_t absent) {
   return change;
 }
 
+/// Width of a change seen from above, across its longest direction, m: that of an even
+/// distribution with the same variance.
+double width_of(const Change& change) {
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  const Eigen::Vector2d centre = mean_of(change.points);
+  for (const Point& point : change.points.points) {
+    const Eigen::Vector2d d = point.position().head<2>().cast<double>() - centre;
+    sum += d * d.transpose();
+  }
+  const Eigen::Matrix2d covariance = sum / static_cast<double>(change.points.size());
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly)
+          .eigenvalues()[0];
+  return std::sqrt(12.0 * std::max(0.0, least)) + ChangeList::kVoxel;
+}
+
+/// Level lines are left out: the edge of a roof, of a wall or of a kerb that one visit saw and
+/// another one missed.
 bool is_listed(const Change& change) {
-  return change.points.size() >= ChangeList::kLeastVoxels &&
-         (change.high - change.low).maxCoeff() >= ChangeList::kLeastExtent;
+  if (change.points.size() < ChangeList::kLeastVoxels) return false;
+  return change.high.z() - change.low.z() >= ChangeList::kLeastExtent ||
+         width_of(change) >= ChangeList::kLeastExtent;
 }
 
 }  // namespace

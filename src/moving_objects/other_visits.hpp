@@ -21,7 +21,7 @@ class OtherVisits {
   static constexpr double kRadius = 50.0;
   /// Least distance of two observers of the same visit, m. Chosen: two of them see any location
   /// within their range from directions that differ, and twenty visits stay affordable.
-  static constexpr double kSpacing = 5.0;
+  static constexpr double kSpacing = 2.0;
 
   OtherVisits(const std::vector<KeyFramePose>& poses, const Visits& visits);
 

@@ -57,6 +57,17 @@ TEST(ChangeList, LeavesOutWhatIsSmall) {
   ChangeList small;
   for (double z = 0.1; z < 1.0; z += 0.25) small.add({0.1, 0.1, z}, {ChangeKind::kAppeared, 0, 1});
   EXPECT_TRUE(small.changes().empty()) << "four voxels are a beam through a hedge";
+  ChangeList edge;
+  for (double along = 0.1; along < 4.0; along += 0.2) {
+    edge.add({along, along, 3.1}, {ChangeKind::kAppeared, 0, 1});
+    edge.add({along, along, 3.3}, {ChangeKind::kAppeared, 0, 1});
+  }
+  EXPECT_TRUE(edge.changes().empty()) << "a level line is the edge of a roof";
+  ChangeList plate;
+  for (double x = 0.1; x < 2.0; x += 0.2) {
+    for (double y = 0.1; y < 1.4; y += 0.2) plate.add({x, y, 3.1}, {ChangeKind::kAppeared, 0, 1});
+  }
+  EXPECT_EQ(plate.changes().size(), 1U) << "a canopy";
   ChangeList cube;
   for (double x : {0.1, 0.3}) {
     for (double y : {0.1, 0.3}) {

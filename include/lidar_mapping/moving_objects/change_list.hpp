@@ -46,8 +46,8 @@ class ChangeList {
   /// Edge of the voxels in which points are counted, m. Chosen: half of the least change that is
   /// listed (kLeastExtent), and beams of 16 rings lie this far apart at 8 m.
   static constexpr double kVoxel = 0.25;
-  /// Least size of a change along its longest edge, m. Chosen: a person or a bollard is listed, a
-  /// bin bag is not.
+  /// Least height of a change, or least width of a low one, m. Chosen: a person or a bollard is
+  /// listed, a bin bag is not.
   static constexpr double kLeastExtent = 0.75;
   /// Least number of voxels of a change. Chosen: half of what a flat object of the least extent
   /// fills; single beams through a hedge make less.
