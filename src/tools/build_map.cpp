@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "number_checks.hpp"
-#include "process_memory.hpp"
-#include "scan_map.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/process_memory.hpp"
+#include "mapping/scan_map.hpp"
 
 namespace lidar_mapping::tools {
 

@@ -12,7 +12,7 @@
 #include "lidar_mapping/ros/recording_check.hpp"
 
 #include "bag_paths.hpp"
-#include "config_path.hpp"
+#include "parameters/config_path.hpp"
 
 namespace {
 

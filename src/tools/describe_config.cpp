@@ -8,7 +8,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "config_documents.hpp"
+#include "parameters/config_documents.hpp"
 
 namespace lidar_mapping::tools {
 namespace {

@@ -15,10 +15,10 @@
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
-#include "child_program.hpp"
+#include "command_line/child_program.hpp"
+#include "command_line/number_checks.hpp"
+#include "comparison/trajectory_hints.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
-#include "trajectory_hints.hpp"
 
 namespace {
 

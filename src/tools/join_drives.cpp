@@ -12,7 +12,7 @@
 
 #include "city_files.hpp"
 #include "city_session.hpp"
-#include "config_path.hpp"
+#include "parameters/config_path.hpp"
 
 namespace {
 

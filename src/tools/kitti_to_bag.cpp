@@ -21,9 +21,9 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
-#include "number_checks.hpp"
-#include "overwriting.hpp"
-#include "progress_bar.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/overwriting.hpp"
+#include "command_line/progress_bar.hpp"
 
 namespace {
 

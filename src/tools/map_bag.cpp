@@ -7,11 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
-#include "child_program.hpp"
-#include "config_path.hpp"
-#include "mapping_run.hpp"
-#include "number_checks.hpp"
-#include "process_memory.hpp"
+#include "command_line/child_program.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/process_memory.hpp"
+#include "mapping/mapping_run.hpp"
+#include "parameters/config_path.hpp"
 
 namespace lidar_mapping::tools {
 

@@ -15,8 +15,8 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
-#include "child_program.hpp"
-#include "number_checks.hpp"
+#include "command_line/child_program.hpp"
+#include "command_line/number_checks.hpp"
 #include "place_pictures.hpp"
 #include "report_figures.hpp"
 

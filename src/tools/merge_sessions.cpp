@@ -9,7 +9,7 @@
 #include "lidar_mapping/pipeline/session_merger.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
-#include "config_path.hpp"
+#include "parameters/config_path.hpp"
 
 namespace {
 

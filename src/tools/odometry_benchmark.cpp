@@ -14,12 +14,12 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 
-#include "baseline_odometry.hpp"
 #include "benchmark_figures.hpp"
-#include "config_path.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/process_memory.hpp"
+#include "comparison/baseline_odometry.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
-#include "process_memory.hpp"
+#include "parameters/config_path.hpp"
 #include "recording.hpp"
 
 namespace {

@@ -14,9 +14,9 @@
 
 #include "campaign_case.hpp"
 #include "campaign_run.hpp"
+#include "command_line/number_checks.hpp"
 #include "evidence_table.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
 
 namespace {
 

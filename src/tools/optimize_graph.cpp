@@ -12,8 +12,8 @@
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 
+#include "command_line/number_checks.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
 
 namespace {
 

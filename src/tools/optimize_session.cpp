@@ -10,7 +10,7 @@
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
-#include "config_path.hpp"
+#include "parameters/config_path.hpp"
 
 namespace {
 

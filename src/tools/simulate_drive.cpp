@@ -10,9 +10,9 @@
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-#include "drive_output.hpp"
-#include "number_checks.hpp"
-#include "overwriting.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/overwriting.hpp"
+#include "simulated_drive/drive_output.hpp"
 
 namespace {
 
