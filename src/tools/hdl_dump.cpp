@@ -3,12 +3,14 @@
 
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
-#include <iostream>
+#include <cstdio>
 
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+#include "command_line/run_command.hpp"
 
 namespace {
 
@@ -48,12 +50,6 @@ int main(int argc, char** argv) {
   CLI::App* in = app.add_subcommand("import", "a dump folder to a session");
   in->add_option("dump", from, "the folder with graph.g2o")->required();
   in->add_option("-o,--output", to, "folder for the session")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    *out ? export_dump(from, to) : import_dump(from, to);
-  } catch (const std::exception& error) {
-    std::cerr << "hdl_dump: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv,
+                            [&] { *out ? export_dump(from, to) : import_dump(from, to); });
 }

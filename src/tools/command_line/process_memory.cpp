@@ -39,6 +39,8 @@ std::size_t peak_bytes() {
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
+double peak_mebibytes() { return static_cast<double>(peak_bytes()) / (1024.0 * 1024.0); }
+
 ReturnedMemory::ReturnedMemory() {
   mallopt(M_ARENA_MAX, kHeaps);
   // Grids and images of a few megabytes are allocated for each key frame; if the system had to

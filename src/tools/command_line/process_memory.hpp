@@ -11,6 +11,8 @@ namespace lidar_mapping::tools {
 /// Memory of this process in bytes: present and peak.
 std::size_t resident_bytes();
 std::size_t peak_bytes();
+/// The peak in units of 2^20 bytes.
+double peak_mebibytes();
 
 /// Returns freed memory to the system. Clouds that are allocated by one thread and freed by another
 /// leave gaps in the heap, which would accumulate over hours. During the lifetime of this object
