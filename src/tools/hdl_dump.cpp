@@ -19,8 +19,7 @@ using session::Session;
 
 void export_dump(const std::string& name, const std::string& directory) {
   const Session session = Session::open(name, Session::Access::kRead);
-  back_end::BackEnd back_end(config::load<back_end::BackEndConfig>(
-      {pipeline::stored_configuration<back_end::BackEndConfig>(session)}));
+  back_end::BackEnd back_end(pipeline::stored_config<back_end::BackEndConfig>(session));
   pipeline::replay(session, back_end);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
   const pose_graph::PoseGraph graph = back_end.graph();

@@ -49,7 +49,7 @@ BackEndConfig make_config(const Options& options, const Session& session) {
 std::vector<Loop> decided_loops(const Options& options, const Session& session) {
   if (options.loops.empty()) return {};
   using loop_closing::LoopClosingConfig;
-  const auto config = tools::drive_config<LoopClosingConfig>(session, "");
+  const auto config = pipeline::stored_config<LoopClosingConfig>(session);
   const auto decided =
       pipeline::edited_loops(session, session::read_loop_list(options.loops), config);
   for (const Loop& loop : decided) {

@@ -17,11 +17,6 @@ namespace {
 
 using session::Session;
 
-template <typename Config>
-Config stored(const Session& session) {
-  return config::load<Config>({pipeline::stored_configuration<Config>(session)});
-}
-
 /// Opens the recording with the topics that were mapped, if the session has them.
 recordings::DriveSelection selection_of(const Session& session, const ScanMapInput& input) {
   recordings::DriveSelection selection;
@@ -44,13 +39,13 @@ recordings::DriveSelection selection_of(const Session& session, const ScanMapInp
 
 map::Files write_scan_map(const Session& session, const MapOutput& output,
                           const ScanMapInput& input) {
-  const auto preprocessing = stored<preprocessing::PreprocessingConfig>(session);
+  const auto preprocessing = pipeline::stored_config<preprocessing::PreprocessingConfig>(session);
   const recordings::OpenDrive drive =
       recordings::open_drive(selection_of(session, input), preprocessing);
   const std::vector<pipeline::ScanPose> scans =
       pipeline::scan_poses(session, key_frame_poses(session, output));
   const double as_key_frames =
-      stored<front_end::FrontEndConfig>(session).key_frame_cloud_resolution;
+      pipeline::stored_config<front_end::FrontEndConfig>(session).key_frame_cloud_resolution;
   pipeline::ScanClouds clouds(map_folder(session, output));
   const KeyFramePoses poses = pipeline::add_scans(
       *drive.input, scans, preprocessing,
