@@ -9,6 +9,7 @@ find_package(PNG REQUIRED)
 find_package(GDAL QUIET)  # optional: of the format geotiff
 find_package(SQLite3 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(nanoflann REQUIRED)
 find_package(CLI11 QUIET)
 find_package(Threads REQUIRED)
 find_package(embree 3 REQUIRED)

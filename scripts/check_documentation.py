@@ -38,7 +38,7 @@ NOT_RUN = (
     (r'^source scripts/setup\.bash', 'done before every command'),
     (r'catkin_ws|^source devel/setup', 'scripts/check_workspace runs it'),
     (r'^docker ', 'scripts/check_container runs it'),
-    (r'benchmark_(preprocessing|kd_tree|pose_graph)|gnss_faults', 'is not built by default'),
+    (r'benchmark_(preprocessing|pose_graph)|gnss_faults', 'is not built by default'),
     (r'^editor ', 'waits for a person'),
     (r'2011_09_26_drive', 'needs a recording of KITTI'),
     (r'^evo_', 'evo is not among the packages; a test of test_session runs it where it is installed'),

@@ -48,7 +48,7 @@ def names_of_messages(root):
 
 def names_of_topics(root):
     for folder in ('nodes', 'ros'):
-        for path in sorted((root / 'src' / folder).glob('*.cpp')):
+        for path in sorted((root / 'src' / folder).rglob('*.cpp')):
             for name in TOPIC.findall(path.read_text()):
                 yield name.lstrip('/'), path.relative_to(root)
 

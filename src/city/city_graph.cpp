@@ -24,11 +24,6 @@ constexpr double kAlignedDistance = 10.0;
 // Loops with positions at both ends. Chosen: the median of fewer may be that of a false loop.
 constexpr std::size_t kMinLoopsWithGnss = 3;
 
-std::string name_of(const fs::path& session) {
-  const fs::path folder = fs::absolute(session).lexically_normal();
-  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
-}
-
 std::optional<GeodeticDatum> first_datum(const std::vector<fs::path>& sessions) {
   for (const fs::path& path : sessions) {
     const Session session = Session::open(path, Session::Access::kRead);
@@ -115,7 +110,7 @@ std::map<Stamp, Eigen::Quaterniond> headings_of(const Session& session, Stamp of
 void CityGraph::add_drive(const fs::path& path) {
   const Session session = Session::open(path, Session::Access::kRead);
   JoinedDrive drive;
-  drive.name = name_of(path);
+  drive.name = drive_name(path);
   drive.session = path;
   drive.offsets = next_;
   drive.offsets.stamp = pipeline::unique_stamp_offset(session.key_frames(), stamps_);
@@ -301,6 +296,11 @@ void CityGraph::keep_largest_part(const std::vector<int>& parts) {
 }
 
 }  // namespace
+
+std::string drive_name(const fs::path& session) {
+  const fs::path folder = fs::absolute(session).lexically_normal();
+  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+}
 
 const char* to_string(DriveState state) {
   switch (state) {

@@ -13,6 +13,9 @@
 
 namespace lidar_mapping::city {
 
+/// The name of a drive: that of the folder of its session.
+std::string drive_name(const std::filesystem::path& session);
+
 /// What became of a drive.
 enum class DriveState {
   kJoined,      ///< it is in the map of the city, or the part of it that is connected
@@ -24,7 +27,7 @@ const char* to_string(DriveState state);
 
 /// A drive in the graph of the city.
 struct JoinedDrive {
-  std::string name;               ///< that of the folder of its session
+  std::string name;               ///< drive_name()
   std::filesystem::path session;  ///< that folder
   DriveState state = DriveState::kJoined;
   std::vector<std::string> notices;  ///< why it or its GNSS is left out, a sentence each

@@ -38,6 +38,8 @@ fs::path folder_of(const fs::path& path) {
 }  // namespace
 
 void write_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  std::error_code unknown;
+  if (fs::is_other(fs::status(path, unknown))) return write(path);
   const fs::path folder = folder_of(path);
   const fs::path temporary = folder / ("." + path.filename().string() + ".part");
   try {

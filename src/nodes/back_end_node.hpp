@@ -20,9 +20,9 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
+#include "back_end/optimization_answer.hpp"
+#include "back_end/solver_queue.hpp"
 #include "back_end_node_config.hpp"
-#include "optimization_answer.hpp"
-#include "solver_queue.hpp"
 
 namespace lidar_mapping::ros_border {
 

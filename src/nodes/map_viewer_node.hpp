@@ -20,7 +20,7 @@
 #include "lidar_mapping/ros/scratch_folder.hpp"
 #include "lidar_mapping/session/session.hpp"
 
-#include "drive_display.hpp"
+#include "display/drive_display.hpp"
 #include "map_viewer_node_config.hpp"
 
 namespace lidar_mapping::ros_border {

@@ -23,8 +23,8 @@
 #include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/ros/wire_message.hpp"
 
-#include "input_watch.hpp"
-#include "scan_loss_counter.hpp"
+#include "preprocessing/input_watch.hpp"
+#include "preprocessing/scan_loss_counter.hpp"
 
 namespace lidar_mapping::ros_border {
 

@@ -55,8 +55,7 @@ LoopVerdict take_verdict(const Loop& loop, Verdicts& verdicts) {
 }  // namespace
 
 bool is_in_enu(const session::Session& session) {
-  const auto config = config::load<back_end::BackEndConfig>(
-      {pipeline::stored_configuration<back_end::BackEndConfig>(session)});
+  const auto config = pipeline::stored_config<back_end::BackEndConfig>(session);
   return config.use_gnss && session.datum().has_value();
 }
 

@@ -20,8 +20,7 @@ namespace {
 using back_end::KeyFrameDeviation;
 
 back_end::BackEndConfig configuration_of(const session::Session& session) {
-  return config::load<back_end::BackEndConfig>(
-      {pipeline::stored_configuration<back_end::BackEndConfig>(session)});
+  return pipeline::stored_config<back_end::BackEndConfig>(session);
 }
 
 /// Key frames that are constrained by a used loop or a GNSS position.

@@ -2,13 +2,13 @@
 // Builds the map of a session from its newest poses.
 
 #include <cstdio>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 
-#include "number_checks.hpp"
-#include "process_memory.hpp"
-#include "scan_map.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/process_memory.hpp"
+#include "command_line/run_command.hpp"
+#include "mapping/scan_map.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -86,13 +86,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Builds the map of a session from its newest poses"};
   tools::Options options;
   tools::add_arguments(app, options);
-  CLI11_PARSE(app, argc, argv);
-  const tools::ReturnedMemory returned_memory;
-  try {
+  return tools::run_command(app, argc, argv, [&] {
+    const tools::ReturnedMemory returned_memory;
     tools::build(options);
-  } catch (const std::exception& error) {
-    std::cerr << "build_map: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -12,7 +12,8 @@
 #include "lidar_mapping/ros/recording_check.hpp"
 
 #include "bag_paths.hpp"
-#include "config_path.hpp"
+#include "command_line/run_command.hpp"
+#include "parameters/config_path.hpp"
 
 namespace {
 
@@ -75,11 +76,6 @@ int main(int argc, char** argv) {
   CLI::App app{"Checks the sensors' messages in bags and reports faults with their remedies"};
   app.footer("Ends with 0 if nothing is wrong, 1 if something is, 2 if a bag cannot be read.");
   add_arguments(app, options);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options) ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "check_bag: %s\n", error.what());
-  }
-  return 2;
+  return tools::run_command(
+      app, argc, argv, [&] { return run(options) ? 0 : 1; }, 2);
 }

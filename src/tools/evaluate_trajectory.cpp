@@ -3,11 +3,10 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/text.hpp"
@@ -15,10 +14,11 @@
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
-#include "child_program.hpp"
+#include "command_line/child_program.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/run_command.hpp"
+#include "comparison/trajectory_hints.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
-#include "trajectory_hints.hpp"
 
 namespace {
 
@@ -135,12 +135,6 @@ void print(const Json& result) {
               json::dumped(kitti["segment_lengths_m"]).c_str());
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) throw FileError("cannot write " + path);
-}
-
 /// Draws the plot by a script beside this program, from a file of all poses.
 void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
   Json poses = Json::array();
@@ -153,7 +147,7 @@ void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
                      error.translation.norm(), rotation_angle(error.rotation) * kDegPerRad});
   }
   const std::string data = picture + ".json";
-  write_text(data, json::dumped(poses));
+  write_text_atomically(data, json::dumped(poses));
   tools::run_program(tools::program_beside("plot_trajectories.py"), {data, picture});
   std::filesystem::remove(data);
 }
@@ -187,7 +181,7 @@ void run(const Options& options) {
   result["hints"] = hints;
   print(result);
   for (const std::string& hint : hints) std::printf("hint: %s\n", hint.c_str());
-  if (!options.json.empty()) write_text(options.json, json::dumped(result, 2) + "\n");
+  if (!options.json.empty()) write_text_atomically(options.json, json::dumped(result, 2) + "\n");
   if (!options.plot.empty()) plot(options.plot, pairs);
 }
 
@@ -220,13 +214,8 @@ int main(int argc, char** argv) {
       ->check(tools::above_zero());
   app.add_option("--json", options.json, "write the figures to this file");
   app.add_option("--plot", options.plot, "write a picture of both trajectories and the error");
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return tools::run_command(app, argc, argv, [&] {
     check(options);
     run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "evaluate_trajectory: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

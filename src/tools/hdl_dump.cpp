@@ -3,12 +3,14 @@
 
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
-#include <iostream>
+#include <cstdio>
 
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+#include "command_line/run_command.hpp"
 
 namespace {
 
@@ -17,8 +19,7 @@ using session::Session;
 
 void export_dump(const std::string& name, const std::string& directory) {
   const Session session = Session::open(name, Session::Access::kRead);
-  back_end::BackEnd back_end(config::load<back_end::BackEndConfig>(
-      {pipeline::stored_configuration<back_end::BackEndConfig>(session)}));
+  back_end::BackEnd back_end(pipeline::stored_config<back_end::BackEndConfig>(session));
   pipeline::replay(session, back_end);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
   const pose_graph::PoseGraph graph = back_end.graph();
@@ -48,12 +49,6 @@ int main(int argc, char** argv) {
   CLI::App* in = app.add_subcommand("import", "a dump folder to a session");
   in->add_option("dump", from, "the folder with graph.g2o")->required();
   in->add_option("-o,--output", to, "folder for the session")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    *out ? export_dump(from, to) : import_dump(from, to);
-  } catch (const std::exception& error) {
-    std::cerr << "hdl_dump: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv,
+                            [&] { *out ? export_dump(from, to) : import_dump(from, to); });
 }

@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/pipeline/stored_configuration.hpp"
 
 #include "city_files.hpp"
 #include "city_session.hpp"
-#include "config_path.hpp"
+#include "command_line/run_command.hpp"
+#include "parameters/drive_config.hpp"
 
 namespace {
 
@@ -31,20 +31,6 @@ struct Options {
 
 Session opened(const fs::path& folder) { return Session::open(folder, Session::Access::kRead); }
 
-/// Parameters of a drive, overridden by the stage's file in --config.
-template <typename Config>
-Config make_config(const Options& options, const Session& drive) {
-  std::vector<config::Source> sources{pipeline::stored_configuration<Config>(drive)};
-  const std::string file = tools::stage_file(options.config, Config::schema().stage());
-  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
-  return config::load<Config>(sources);
-}
-
-std::string name_of(const fs::path& path) {
-  const fs::path whole = fs::absolute(path).lexically_normal();
-  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
-}
-
 void check_names(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto other =
@@ -57,7 +43,7 @@ void check_names(const std::vector<std::string>& names) {
 
 void describe(const Options& options) {
   const std::string& folder = options.inputs.front();
-  const auto drive = city::describe_drive(opened(folder), name_of(folder));
+  const auto drive = city::describe_drive(opened(folder), city::drive_name(folder));
   city::write_pieces(drive, options.output);
   std::printf("%s: %zu pieces\n", drive.drive.c_str(), drive.pieces.size());
 }
@@ -81,8 +67,9 @@ void search(const Options& options) {
   const fs::path folder = options.sessions;
   const Session a = opened(folder / chunk.a), b = opened(folder / chunk.b);
   const auto found = city::search_chunk(
-      a, b, chunk, make_config<back_end::BackEndConfig>(options, a),
-      make_config<loop_closing::LoopClosingConfig>(options, a), fs::temp_directory_path());
+      a, b, chunk, tools::drive_config<back_end::BackEndConfig>(a, options.config),
+      tools::drive_config<loop_closing::LoopClosingConfig>(a, options.config),
+      fs::temp_directory_path());
   city::write_loops(found, options.output);
   std::printf("%s: %zu key frames searched for, %zu candidates, %zu loops\n", chunk.id.c_str(),
               found.searched, found.verdicts.size(), found.loops.size());
@@ -110,9 +97,10 @@ void print(const city::JoinedDrive& drive) {
 
 void join(const Options& options) {
   std::vector<std::string> names;
-  for (const std::string& path : options.inputs) names.push_back(name_of(path));
+  for (const std::string& path : options.inputs) names.push_back(city::drive_name(path));
   check_names(names);
-  const auto config = make_config<back_end::BackEndConfig>(options, opened(options.inputs.front()));
+  const auto config =
+      tools::drive_config<back_end::BackEndConfig>(opened(options.inputs.front()), options.config);
   std::optional<GeodeticDatum> datum;
   if (!options.datum.empty()) datum = {options.datum[0], options.datum[1], options.datum[2]};
   const city::JoinedCity joined = city::join_drives({options.inputs.begin(), options.inputs.end()},
@@ -164,13 +152,5 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Options options;
   add_arguments(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error);
-  } catch (const std::exception& error) {
-    std::cerr << "join_drives: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv, [] {});  // each step is a callback
 }

@@ -21,9 +21,10 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
-#include "number_checks.hpp"
-#include "overwriting.hpp"
-#include "progress_bar.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/overwriting.hpp"
+#include "command_line/progress_bar.hpp"
+#include "command_line/run_command.hpp"
 
 namespace {
 
@@ -207,14 +208,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   bool force = false;
   app.add_flag("--force", force, "overwrite a bag that exists");
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return tools::run_command(app, argc, argv, [&] {
     tools::check_overwriting({options.bag}, force);
     const bool is_raw = std::filesystem::is_directory(options.folder + "/velodyne_points");
     is_raw ? convert_raw(options) : convert_odometry(options);
-  } catch (const std::exception& error) {
-    std::cerr << "kitti_to_bag: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

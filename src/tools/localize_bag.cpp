@@ -2,20 +2,19 @@
 // Finds a recorded drive in a finished map and follows it there, without a ROS master.
 
 #include <csignal>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
-#include "localize_run.hpp"
-#include "process_memory.hpp"
+#include "command_line/process_memory.hpp"
+#include "command_line/run_command.hpp"
+#include "localization/localize_run.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
 
 // Exit status, chosen as that of map_bag.
-constexpr int kFailed = 1;
 constexpr int kStoppedAtOnce = 130;
 
 volatile std::sig_atomic_t stop_requested = 0;
@@ -54,16 +53,12 @@ int main(int argc, char** argv) {
   std::vector<std::string> paths;
   tools::LocalizingOptions options;
   tools::add_arguments(app, paths, options);
-  CLI11_PARSE(app, argc, argv);
-  options.map = paths.back();
-  options.drive.paths.assign(paths.begin(), paths.end() - 1);
-  std::signal(SIGINT, tools::request_stop);
-  std::signal(SIGTERM, tools::request_stop);
-  const tools::ReturnedMemory returned_memory;
-  try {
+  return tools::run_command(app, argc, argv, [&] {
+    options.map = paths.back();
+    options.drive.paths.assign(paths.begin(), paths.end() - 1);
+    std::signal(SIGINT, tools::request_stop);
+    std::signal(SIGTERM, tools::request_stop);
+    const tools::ReturnedMemory returned_memory;
     return tools::localize_recording(options, tools::stop_requested);
-  } catch (const std::exception& error) {
-    std::cerr << "localize_bag: " << error.what() << "\n";
-    return tools::kFailed;
-  }
+  });
 }

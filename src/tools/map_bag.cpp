@@ -2,21 +2,20 @@
 // Maps a recorded drive without a ROS master, as fast as the processor allows.
 
 #include <csignal>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
-#include "child_program.hpp"
-#include "mapping_run.hpp"
-#include "process_memory.hpp"
+#include "command_line/child_program.hpp"
+#include "command_line/process_memory.hpp"
+#include "command_line/run_command.hpp"
+#include "mapping/mapping_run.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
 
-// Exit status, see doc/pipeline.md; the last is that of shells for a process that SIGINT ended.
-constexpr int kFailed = 1;
+// Exit status, see doc/pipeline.md: that of shells for a process that SIGINT ended.
 constexpr int kStoppedAtOnce = 130;
 
 volatile std::sig_atomic_t stop_requested = 0;
@@ -66,15 +65,11 @@ int main(int argc, char** argv) {
   CLI::App app{"Maps a recorded drive without a ROS master, as fast as the processor allows"};
   tools::MappingOptions options;
   tools::add_arguments(app, options);
-  CLI11_PARSE(app, argc, argv);
-  options.command = tools::command_line({argv, argv + argc});
-  std::signal(SIGINT, tools::request_stop);
-  std::signal(SIGTERM, tools::request_stop);
-  const tools::ReturnedMemory returned_memory;
-  try {
+  return tools::run_command(app, argc, argv, [&] {
+    options.command = tools::command_line({argv, argv + argc});
+    std::signal(SIGINT, tools::request_stop);
+    std::signal(SIGTERM, tools::request_stop);
+    const tools::ReturnedMemory returned_memory;
     return tools::map_recording(options, tools::stop_requested);
-  } catch (const std::exception& error) {
-    std::cerr << "map_bag: " << error.what() << "\n";
-    return tools::kFailed;
-  }
+  });
 }

@@ -4,6 +4,7 @@
 #include "lidar_mapping/map_quality/map_quality.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -15,8 +16,9 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
-#include "child_program.hpp"
-#include "number_checks.hpp"
+#include "command_line/child_program.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/run_command.hpp"
 #include "place_pictures.hpp"
 #include "report_figures.hpp"
 
@@ -225,12 +227,5 @@ int main(int argc, char** argv) {
                  "write how well the graph knows each key frame to this CSV file");
   app.add_flag("--report", options.report, "write report.html and report.json to the session");
   app.add_option("--truth", options.truth, "true trajectory (TUM) to compare with");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    judge(options);
-  } catch (const std::exception& error) {
-    std::cerr << "map_quality: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv, [&] { judge(options); });
 }

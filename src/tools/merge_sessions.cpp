@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Merges sessions by loops between them or by GNSS.
 
-#include <iostream>
+#include <cstdio>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/session_merger.hpp"
-#include "lidar_mapping/pipeline/stored_configuration.hpp"
 
-#include "config_path.hpp"
+#include "command_line/run_command.hpp"
+#include "parameters/drive_config.hpp"
 
 namespace {
 
@@ -21,15 +22,6 @@ struct Options {
   std::string output;
   std::string config;
 };
-
-/// Parameters of the first drive, overridden by the stage's file in --config.
-template <typename Config>
-Config make_config(const Options& options, const Session& first) {
-  std::vector<config::Source> sources{pipeline::stored_configuration<Config>(first)};
-  const std::string file = tools::stage_file(options.config, Config::schema().stage());
-  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
-  return config::load<Config>(sources);
-}
 
 void print(const pipeline::MergedSession& part, const std::string& name) {
   std::printf("%s: key frames %u to %zu, %zu new loops\n", name.c_str(), part.first,
@@ -79,9 +71,10 @@ void merge(const Options& options) {
     sessions.push_back(Session::open(name, Session::Access::kRead));
   }
   using loop_closing::LoopClosingConfig;
-  pipeline::SessionMerger merge(Session::create_in(options.output),
-                                make_config<back_end::BackEndConfig>(options, sessions.front()),
-                                make_config<LoopClosingConfig>(options, sessions.front()));
+  pipeline::SessionMerger merge(
+      Session::create_in(options.output),
+      tools::drive_config<back_end::BackEndConfig>(sessions.front(), options.config),
+      tools::drive_config<LoopClosingConfig>(sessions.front(), options.config));
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     merge.add(sessions[i]);
     print(merge.parts().back(), options.sessions[i]);
@@ -105,12 +98,5 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) +
                      " (back_end, loop_closing); as in the first drive if left out");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    merge(options);
-  } catch (const std::exception& error) {
-    std::cerr << "merge_sessions: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv, [&] { merge(options); });
 }

@@ -2,24 +2,25 @@
 // Runs the front end over recorded scans and reports its speed and accuracy.
 
 #include <chrono>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 
-#include "baseline_odometry.hpp"
 #include "benchmark_figures.hpp"
-#include "config_path.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/process_memory.hpp"
+#include "command_line/run_command.hpp"
+#include "comparison/baseline_odometry.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
-#include "process_memory.hpp"
+#include "parameters/config_path.hpp"
 #include "recording.hpp"
 
 namespace {
@@ -143,13 +144,8 @@ std::vector<evaluation::PosePair> paired(const Trajectory& truth,
   return pairs;
 }
 
-double peak_memory_mb() { return static_cast<double>(tools::peak_bytes()) / (1024.0 * 1024.0); }
-
-void write_text(const std::string& path, const std::string& text) {
-  if (path.empty()) return;
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) throw FileError("cannot write " + path);
+void write_wanted(const std::string& path, const std::string& text) {
+  if (!path.empty()) write_text_atomically(path, text);
 }
 
 void run(const Options& options) {
@@ -161,7 +157,7 @@ void run(const Options& options) {
       {options.elevation_correction_deg * kRadPerDeg, options.time_from_azimuth});
   const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
-  const double memory_before = peak_memory_mb();
+  const double memory_before = tools::peak_mebibytes();
   const Process process = make_process(options, config, recording.T_base_sensor);
   std::vector<ScanRecord> records;
   for (const std::size_t i : scans) add_timed(process, recording.scan(i), records);
@@ -171,16 +167,16 @@ void run(const Options& options) {
       {"method", options.method.empty() ? to_string(config.registration.method) : options.method},
       {"threads", options.threads}};
   result.update(campaign::figures_of(records));
-  result["peak_memory_mb"] = peak_memory_mb();
-  result["memory_over_start_mb"] = peak_memory_mb() - memory_before;
+  result["peak_memory_mb"] = tools::peak_mebibytes();
+  result["memory_over_start_mb"] = tools::peak_mebibytes() - memory_before;
   if (!options.truth.empty()) {
     const auto pairs = paired(read_trajectory(options.truth), scans, records);
     result.update(campaign::errors_of(pairs));
     if (pairs.size() == records.size()) result.update(campaign::steps_of(pairs, records));
   }
-  write_text(options.poses, campaign::to_kitti(records));
-  write_text(options.times, campaign::to_csv(records));
-  write_text(options.json, json::dumped(result, 2) + "\n");
+  write_wanted(options.poses, campaign::to_kitti(records));
+  write_wanted(options.times, campaign::to_csv(records));
+  write_wanted(options.json, json::dumped(result, 2) + "\n");
   std::cout << json::dumped(result, 2) << "\n";
 }
 
@@ -211,12 +207,5 @@ int main(int argc, char** argv) {
   app.add_option("--poses", options.poses, "write the poses, KITTI's 12 numbers a line");
   app.add_option("--times", options.times, "write a CSV line per scan");
   app.add_option("--json", options.json, "write the figures");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "odometry_benchmark: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv, [&] { run(options); });
 }

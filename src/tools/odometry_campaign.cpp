@@ -3,20 +3,19 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 
-#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 #include "campaign_case.hpp"
 #include "campaign_run.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/run_command.hpp"
 #include "evidence_table.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
 
 namespace {
 
@@ -152,9 +151,8 @@ void run(const Options& options) {
   totals.print();
   if (table) table->close();
   if (options.json.empty()) return;
-  std::ofstream file(options.json);
-  file << json::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) << "\n";
-  if (!file.flush()) throw FileError("cannot write " + options.json);
+  write_text_atomically(
+      options.json, json::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) + "\n");
 }
 
 }  // namespace
@@ -183,12 +181,5 @@ int main(int argc, char** argv) {
       ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--json", options.json, "write the figures");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "odometry_campaign: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv, [&] { run(options); });
 }

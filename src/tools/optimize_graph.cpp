@@ -3,17 +3,17 @@
 
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 
 #include <CLI/CLI.hpp>
-#include <sys/resource.h>
 
-#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 
+#include "command_line/number_checks.hpp"
+#include "command_line/process_memory.hpp"
+#include "command_line/run_command.hpp"
 #include "json.hpp"
-#include "number_checks.hpp"
 
 namespace {
 
@@ -51,12 +51,6 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
-double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
 Json refused_edges(const PoseGraph& graph, const GraphReport& report) {
   Json list = Json::array();
   for (const std::size_t i : report.refused) {
@@ -75,13 +69,11 @@ void write_json(const std::string& path, const G2oFile& file, const GraphReport&
                          {"final_cost", report.final_cost},
                          {"iterations", report.iterations},
                          {"seconds", seconds},
-                         {"peak_memory_mb", peak_memory_mb()},
+                         {"peak_memory_mb", tools::peak_mebibytes()},
                          {"success", report.success},
                          {"notes", file.notes},
                          {"refused_edges", refused_edges(file.graph, report)}};
-  std::ofstream stream(path);
-  stream << json::dumped(document, 2) << '\n';
-  if (!stream) throw FileError("cannot write " + path + "; check the folder and the free space");
+  write_text_atomically(path, json::dumped(document, 2) + "\n");
 }
 
 int run(const Arguments& arguments) {
@@ -120,11 +112,5 @@ int main(int argc, char** argv) {
       ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--json", arguments.json, "file for the figures");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(arguments);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "optimize_graph: %s\n", error.what());
-    return 1;
-  }
+  return tools::run_command(app, argc, argv, [&] { return run(arguments); });
 }

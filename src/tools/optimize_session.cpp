@@ -2,15 +2,16 @@
 // Solves the pose graph of a session again, with other settings if wanted.
 
 #include <chrono>
-#include <iostream>
+#include <cstdio>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/pipeline/loop_edits.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
-#include "lidar_mapping/pipeline/stored_configuration.hpp"
 
-#include "config_path.hpp"
+#include "command_line/run_command.hpp"
+#include "parameters/drive_config.hpp"
 
 namespace {
 
@@ -30,9 +31,8 @@ struct Options {
 
 /// Parameters of the drive, overridden by the file and then by single parameters.
 BackEndConfig make_config(const Options& options, const Session& session) {
-  std::vector<config::Source> sources{pipeline::stored_configuration<BackEndConfig>(session)};
-  const std::string file = tools::only_stage_file(options.config, "back_end");
-  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
+  auto sources = tools::drive_sources<BackEndConfig>(
+      session, tools::only_stage_file(options.config, "back_end"));
   for (const std::string& parameter : options.parameters) {
     sources.push_back(config::parse_yaml(parameter, "--parameter"));
   }
@@ -49,8 +49,7 @@ BackEndConfig make_config(const Options& options, const Session& session) {
 std::vector<Loop> decided_loops(const Options& options, const Session& session) {
   if (options.loops.empty()) return {};
   using loop_closing::LoopClosingConfig;
-  const auto config =
-      config::load<LoopClosingConfig>({pipeline::stored_configuration<LoopClosingConfig>(session)});
+  const auto config = pipeline::stored_config<LoopClosingConfig>(session);
   const auto decided =
       pipeline::edited_loops(session, session::read_loop_list(options.loops), config);
   for (const Loop& loop : decided) {
@@ -132,11 +131,7 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_option("--output", options.output,
                  "write the results here and leave the session as it is");
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return tools::run_command(app, argc, argv, [&] {
     return (options.output.empty() ? solve_inside(options) : solve_aside(options)) ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::cerr << "optimize_session: " << error.what() << "\n";
-    return 1;
-  }
+  });
 }

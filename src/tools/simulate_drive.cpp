@@ -2,7 +2,6 @@
 // Simulates a drive and writes it as a bag with KITTI's topics, or as a folder of scans.
 
 #include <cstdio>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 
@@ -10,9 +9,10 @@
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-#include "drive_output.hpp"
-#include "number_checks.hpp"
-#include "overwriting.hpp"
+#include "command_line/number_checks.hpp"
+#include "command_line/overwriting.hpp"
+#include "command_line/run_command.hpp"
+#include "simulated_drive/drive_output.hpp"
 
 namespace {
 
@@ -165,12 +165,5 @@ int main(int argc, char** argv) {
   CLI::App app{"Simulates a drive and writes it as a bag or as a folder of scans"};
   Options options;
   add_arguments(app, options);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::cerr << "simulate_drive: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return tools::run_command(app, argc, argv, [&] { run(options); });
 }

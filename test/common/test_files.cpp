@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that appear whole or not at all, files without a name, and errors that name a file.
 
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -111,6 +115,19 @@ TEST_F(AtomicFile, SaysWhereItCannotWrite) {
   write_text_atomically(path_, "a file, no folder");
   const std::string message = file_error_of([&] { write_text_atomically(path_ / "x", "text"); });
   EXPECT_NE(message.find("cannot write " + (path_ / "x").string()), std::string::npos) << message;
+}
+
+/// As /dev/stdout, which a file must not replace.
+TEST_F(AtomicFile, WritesIntoAPipeAndLeavesItThere) {
+  ASSERT_EQ(mkfifo(path_.c_str(), S_IRUSR | S_IWUSR), 0);
+  const int pipe = open(path_.c_str(), O_RDWR);  // so that the writer does not wait for a reader
+  ASSERT_GE(pipe, 0);
+  write_text_atomically(path_, "figures");
+  std::array<char, 16> bytes{};
+  ASSERT_TRUE(fs::is_fifo(path_));
+  EXPECT_EQ(read(pipe, bytes.data(), bytes.size()), 7);
+  EXPECT_STREQ(bytes.data(), "figures");
+  close(pipe);
 }
 
 using InputFile = Files;

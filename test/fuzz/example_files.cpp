@@ -54,13 +54,8 @@ std::vector<Point> points() {
 
 sensor_msgs::PointCloud2 cloud(const ros::Time& stamp) {
   constexpr std::uint8_t kFloat = sensor_msgs::PointField::FLOAT32;
-  sensor_msgs::PointCloud2 message = cloud_with({{"x", kFloat, 0},
-                                                 {"y", kFloat, 4},
-                                                 {"z", kFloat, 8},
-                                                 {"intensity", kFloat, 12},
-                                                 {"time", kFloat, 16}},
-                                                20, 60, stamp);
-  put_positions(message);
+  sensor_msgs::PointCloud2 message =
+      xyz_cloud({{"intensity", kFloat, 12}, {"time", kFloat, 16}}, 20, 60, stamp);
   for (std::size_t i = 0; i < message.width; ++i)
     put(message, i, 16, 0.001F * static_cast<float>(i));
   return message;

@@ -22,10 +22,10 @@
 #include "bag_input.hpp"
 #include "campaign_case.hpp"
 #include "example_files.hpp"
+#include "parameters/stage_files.hpp"
 #include "pcd_scan.hpp"
 #include "run_record.hpp"
 #include "session_damage.hpp"
-#include "stage_files.hpp"
 
 namespace lidar_mapping::test {
 

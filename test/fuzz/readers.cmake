@@ -17,32 +17,32 @@ set(reader_sources
   ${readers_root}/src/pipeline/kitti_folder.cpp
   ${readers_root}/src/pipeline/kitti_raw.cpp
   ${readers_root}/src/preprocessing/gnss/nmea.cpp
-  ${readers_root}/src/ros/bag_chunk.cpp
-  ${readers_root}/src/ros/bag_file.cpp
-  ${readers_root}/src/ros/bag_set.cpp
-  ${readers_root}/src/ros/bag_stream.cpp
+  ${readers_root}/src/ros/bags/bag_chunk.cpp
+  ${readers_root}/src/ros/bags/bag_file.cpp
+  ${readers_root}/src/ros/bags/bag_set.cpp
+  ${readers_root}/src/ros/bags/bag_stream.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_calibration.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_models.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp
-  ${readers_root}/src/ros/cdr_message.cpp
-  ${readers_root}/src/ros/cloud_fields.cpp
-  ${readers_root}/src/ros/cloud_reader.cpp
-  ${readers_root}/src/ros/livox_cloud.cpp
-  ${readers_root}/src/ros/message_layout.cpp
-  ${readers_root}/src/ros/moving_frame.cpp
-  ${readers_root}/src/ros/odometry_choice.cpp
-  ${readers_root}/src/ros/point_cloud1.cpp
-  ${readers_root}/src/ros/point_cloud_decoder.cpp
-  ${readers_root}/src/ros/point_fields.cpp
-  ${readers_root}/src/ros/point_times.cpp
-  ${readers_root}/src/ros/recorded_cloud.cpp
-  ${readers_root}/src/ros/recorded_frames.cpp
-  ${readers_root}/src/ros/ros2_file.cpp
-  ${readers_root}/src/ros/ros2_types.cpp
-  ${readers_root}/src/ros/sensor_conversions.cpp
-  ${readers_root}/src/ros/sensor_inputs.cpp
-  ${readers_root}/src/ros/time_fields.cpp
-  ${readers_root}/src/ros/velodyne_scan.cpp
+  ${readers_root}/src/ros/bags/cdr_message.cpp
+  ${readers_root}/src/ros/clouds/cloud_fields.cpp
+  ${readers_root}/src/ros/clouds/cloud_reader.cpp
+  ${readers_root}/src/ros/clouds/livox_cloud.cpp
+  ${readers_root}/src/ros/bags/message_layout.cpp
+  ${readers_root}/src/ros/checks/moving_frame.cpp
+  ${readers_root}/src/ros/inputs/odometry_choice.cpp
+  ${readers_root}/src/ros/clouds/point_cloud1.cpp
+  ${readers_root}/src/ros/clouds/point_cloud_decoder.cpp
+  ${readers_root}/src/ros/clouds/point_fields.cpp
+  ${readers_root}/src/ros/clouds/point_times.cpp
+  ${readers_root}/src/ros/clouds/recorded_cloud.cpp
+  ${readers_root}/src/ros/bags/recorded_frames.cpp
+  ${readers_root}/src/ros/bags/ros2_file.cpp
+  ${readers_root}/src/ros/bags/ros2_types.cpp
+  ${readers_root}/src/ros/conversions/sensor_conversions.cpp
+  ${readers_root}/src/ros/inputs/sensor_inputs.cpp
+  ${readers_root}/src/ros/clouds/time_fields.cpp
+  ${readers_root}/src/ros/clouds/velodyne_scan.cpp
   ${readers_root}/src/session/cloud_store.cpp
   ${readers_root}/src/session/database.cpp
   ${readers_root}/src/session/loop_files.cpp
@@ -55,10 +55,10 @@ set(reader_sources
   ${readers_root}/src/session/session_schema.cpp
   ${readers_root}/src/recordings/bag_input.cpp
   ${readers_root}/src/campaign/campaign_case.cpp
-  ${readers_root}/src/tools/config_path.cpp
+  ${readers_root}/src/tools/parameters/config_path.cpp
   ${readers_root}/src/recordings/pcd_scan.cpp
   ${readers_root}/src/report/run_record.cpp
-  ${readers_root}/src/tools/stage_files.cpp)
+  ${readers_root}/src/tools/parameters/stage_files.cpp)
 
 # A number beyond the range of the type that it is put into is no error of `undefined`.
 set(reader_sanitizers address,undefined,float-cast-overflow)

@@ -15,13 +15,13 @@
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-#include "drive_output.hpp"
 #include "example_files.hpp"
 #include "fuzz_options.hpp"
 #include "limited_run.hpp"
 #include "mutation.hpp"
 #include "run_record.hpp"
 #include "session_damage.hpp"
+#include "simulated_drive/drive_output.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {

@@ -35,7 +35,7 @@ TEST(CorrespondenceCache, AgreesWithASearchEachTime) {
         ++(pair ? found : missed);
         if (!pair) continue;
         EXPECT_EQ(pair->index, expected->index);
-        EXPECT_EQ(pair->squared_distance, expected->squared_distance);
+        EXPECT_FLOAT_EQ(pair->squared_distance, expected->squared_distance);
       }
     }
   }

@@ -32,10 +32,10 @@ TEST(KdTree, AgreesWithALinearSearch) {
     const auto expected = sorted_distances(tree.points(), p);
     const auto nearest = tree.nearest(p, 100.0F);
     ASSERT_TRUE(nearest);
-    EXPECT_EQ(nearest->squared_distance, expected.front());
+    EXPECT_FLOAT_EQ(nearest->squared_distance, expected.front());
     const auto several = tree.nearest(p, std::size_t{10});
     ASSERT_EQ(several.size(), 10U);
-    for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(several[i].squared_distance, expected[i]);
+    for (std::size_t i = 0; i < 10; ++i) EXPECT_FLOAT_EQ(several[i].squared_distance, expected[i]);
   }
 }
 
@@ -45,10 +45,10 @@ TEST(KdTree, GivesTheDistanceOfTheSecondNearest) {
     const auto expected = sorted_distances(tree.points(), p);
     const auto lead = tree.nearest_with_second(p, 100.0F);
     ASSERT_TRUE(lead);
-    EXPECT_EQ(lead->nearest.squared_distance, expected[0]);
-    EXPECT_EQ(lead->second_squared_distance, expected[1]);
+    EXPECT_FLOAT_EQ(lead->nearest.squared_distance, expected[0]);
+    EXPECT_FLOAT_EQ(lead->second_squared_distance, expected[1]);
     const float limit = 0.5F * (std::sqrt(expected[0]) + std::sqrt(expected[1]));
-    EXPECT_EQ(tree.nearest_with_second(p, limit)->second_squared_distance, limit * limit);
+    EXPECT_FLOAT_EQ(tree.nearest_with_second(p, limit)->second_squared_distance, limit * limit);
     EXPECT_FALSE(tree.nearest_with_second(p, 0.5F * std::sqrt(expected[0])));
   }
 }
@@ -62,6 +62,7 @@ TEST(KdTree, FindsNothingBeyondTheLimit) {
 TEST(KdTree, AcceptsEqualPointsAndNoPoints) {
   const KdTree equal(std::vector<Eigen::Vector3f>(100, Eigen::Vector3f::Ones()));
   EXPECT_EQ(equal.nearest(Eigen::Vector3f::Zero(), std::size_t{7}).size(), 7U);
+  EXPECT_TRUE(equal.nearest(Eigen::Vector3f::Zero(), std::size_t{0}).empty());
   EXPECT_FALSE(KdTree().nearest(Eigen::Vector3f::Zero(), 1.0F));
   EXPECT_TRUE(KdTree(std::vector<Eigen::Vector3f>())
                   .nearest(Eigen::Vector3f::Zero(), std::size_t{3})

@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 
-#include "age_markers.hpp"
-#include "drive_floors.hpp"
-#include "drive_status.hpp"
-#include "graph_markers.hpp"
-#include "marker_feed.hpp"
-#include "path_display.hpp"
+#include "display/age_markers.hpp"
+#include "display/drive_floors.hpp"
+#include "display/drive_status.hpp"
+#include "display/graph_markers.hpp"
+#include "display/marker_feed.hpp"
+#include "display/path_display.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {

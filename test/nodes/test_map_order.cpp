@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "map_order.hpp"
+#include "map_viewer/map_order.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {

@@ -12,7 +12,7 @@
 
 #include "back_end_node_config.hpp"
 #include "map_viewer_node_config.hpp"
-#include "stage_files.hpp"
+#include "parameters/stage_files.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {

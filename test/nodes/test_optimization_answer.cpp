@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "optimization_answer.hpp"
+#include "back_end/optimization_answer.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {

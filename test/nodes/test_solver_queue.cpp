@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solver_queue.hpp"
+#include "back_end/solver_queue.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {

@@ -10,14 +10,12 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
+#include "clouds/cloud_fields.hpp"
+
 /// Clouds as drivers of sensors publish them.
 namespace lidar_mapping::test {
 
-struct FieldLayout {
-  std::string name;
-  std::uint8_t datatype;
-  std::uint32_t offset;
-};
+using ros_border::FieldLayout;
 
 /// An empty cloud of that layout.
 inline sensor_msgs::PointCloud2 cloud_with(const std::vector<FieldLayout>& fields,
@@ -26,18 +24,7 @@ inline sensor_msgs::PointCloud2 cloud_with(const std::vector<FieldLayout>& field
   sensor_msgs::PointCloud2 message;
   message.header.stamp = stamp;
   message.header.frame_id = "lidar";
-  for (const FieldLayout& layout : fields) {
-    sensor_msgs::PointField field;
-    field.name = layout.name;
-    field.datatype = layout.datatype;
-    field.offset = layout.offset;
-    field.count = 1;
-    message.fields.push_back(field);
-  }
-  message.height = 1;
-  message.width = count;
-  message.point_step = point_step;
-  message.row_step = point_step * count;
+  ros_border::set_layout(message, fields, point_step, count);
   message.data.resize(message.row_step);
   return message;
 }
@@ -56,6 +43,18 @@ inline void put_positions(sensor_msgs::PointCloud2& message) {
     put(message, i, 4, 2.0F * value);
     put(message, i, 8, 3.0F * value);
   }
+}
+
+/// A cloud of such points, with other fields behind their coordinates.
+inline sensor_msgs::PointCloud2 xyz_cloud(std::vector<FieldLayout> fields, std::uint32_t point_step,
+                                          std::uint32_t count,
+                                          const ros::Time& stamp = ros::Time(100, 500000000)) {
+  fields.insert(fields.begin(), {{"x", sensor_msgs::PointField::FLOAT32, 0},
+                                 {"y", sensor_msgs::PointField::FLOAT32, 4},
+                                 {"z", sensor_msgs::PointField::FLOAT32, 8}});
+  sensor_msgs::PointCloud2 message = cloud_with(fields, point_step, count, stamp);
+  put_positions(message);
+  return message;
 }
 
 /// A binary PCD file as the message that its driver would have sent.

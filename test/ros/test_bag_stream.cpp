@@ -17,7 +17,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_stream.hpp"
 
-#include "bag_chunk.hpp"
+#include "bags/bag_chunk.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {

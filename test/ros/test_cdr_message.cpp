@@ -4,8 +4,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "cdr_message.hpp"
-#include "ros2_types.hpp"
+#include "bags/cdr_message.hpp"
+#include "bags/ros2_types.hpp"
 #include "ros2_writer.hpp"
 
 namespace lidar_mapping::ros_border {

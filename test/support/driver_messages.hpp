@@ -52,101 +52,63 @@ struct OtherVelodyneScan {
   std_msgs::Header header;
 };
 
-constexpr char kHeaderText[] =
-    "================================================================================\n"
-    "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
+/// Definition of a type of message whose text is `fields`, with that of the header and of one more.
+inline std::string definition(const std::string& fields, const std::string& other) {
+  const std::string line(80, '=');
+  return fields + line + "\nMSG: std_msgs/Header\n" +
+         ros::message_traits::definition<std_msgs::Header>() + line + "\nMSG: " + other;
+}
+
+inline const char* velodyne_definition() {
+  static const std::string text =
+      definition("Header header\nVelodynePacket[] packets\n",
+                 "velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n");
+  return text.c_str();
+}
+
+template <LivoxDriver driver>
+const char* livox_definition() {
+  static const std::string text = definition(
+      "Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\nuint8[3] rsvd\n"
+      "CustomPoint[] points\n",
+      std::string(driver == LivoxDriver::kOne ? "livox_ros_driver" : "livox_ros_driver2") +
+          "/CustomPoint\nuint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\n"
+          "uint8 reflectivity\nuint8 tag\nuint8 line\n");
+  return text.c_str();
+}
 
 }  // namespace lidar_mapping::test
+
+ROS_IMPLEMENT_SIMPLE_TOPIC_TRAITS(
+    lidar_mapping::test::LivoxMessage<lidar_mapping::test::LivoxDriver::kOne>,
+    "e4d6829bdfe657cb6c21a746c86b21a6", "livox_ros_driver/CustomMsg",
+    lidar_mapping::test::livox_definition<lidar_mapping::test::LivoxDriver::kOne>())
+ROS_IMPLEMENT_SIMPLE_TOPIC_TRAITS(
+    lidar_mapping::test::LivoxMessage<lidar_mapping::test::LivoxDriver::kTwo>,
+    "e4d6829bdfe657cb6c21a746c86b21a6", "livox_ros_driver2/CustomMsg",
+    lidar_mapping::test::livox_definition<lidar_mapping::test::LivoxDriver::kTwo>())
+ROS_IMPLEMENT_SIMPLE_TOPIC_TRAITS(lidar_mapping::test::VelodyneScanMessage,
+                                  "50804fc9533a0e579e6322c04ae70566", "velodyne_msgs/VelodyneScan",
+                                  lidar_mapping::test::velodyne_definition())
+ROS_IMPLEMENT_SIMPLE_TOPIC_TRAITS(lidar_mapping::test::OtherVelodyneScan,
+                                  "00000000000000000000000000000000", "velodyne_msgs/VelodyneScan",
+                                  "Header header\n")
 
 namespace ros {
 namespace message_traits {
 
-using lidar_mapping::test::LivoxDriver;
-using lidar_mapping::test::LivoxMessage;
-using lidar_mapping::test::OtherVelodyneScan;
-using lidar_mapping::test::VelodyneScanMessage;
-
-template <LivoxDriver driver>
-struct IsMessage<LivoxMessage<driver>> : TrueType {};
-template <LivoxDriver driver>
-struct HasHeader<LivoxMessage<driver>> : TrueType {};
-template <LivoxDriver driver>
-struct MD5Sum<LivoxMessage<driver>> {
-  static const char* value() { return "e4d6829bdfe657cb6c21a746c86b21a6"; }
-  static const char* value(const LivoxMessage<driver>&) { return value(); }
-};
-template <LivoxDriver driver>
-struct DataType<LivoxMessage<driver>> {
-  static const char* value() {
-    return driver == LivoxDriver::kOne ? "livox_ros_driver/CustomMsg"
-                                       : "livox_ros_driver2/CustomMsg";
-  }
-  static const char* value(const LivoxMessage<driver>&) { return value(); }
-};
-template <LivoxDriver driver>
-struct Definition<LivoxMessage<driver>> {
-  static const char* value() {
-    static const std::string text =
-        std::string(
-            "Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\n"
-            "uint8[3] rsvd\nCustomPoint[] points\n") +
-        lidar_mapping::test::kHeaderText +
-        "================================================================================\n"
-        "MSG: " +
-        (driver == LivoxDriver::kOne ? "livox_ros_driver" : "livox_ros_driver2") +
-        "/CustomPoint\nuint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\nuint8 reflectivity\n"
-        "uint8 tag\nuint8 line\n";
-    return text.c_str();
-  }
-  static const char* value(const LivoxMessage<driver>&) { return value(); }
-};
-
+template <lidar_mapping::test::LivoxDriver driver>
+struct IsMessage<lidar_mapping::test::LivoxMessage<driver>> : TrueType {};
+template <lidar_mapping::test::LivoxDriver driver>
+struct HasHeader<lidar_mapping::test::LivoxMessage<driver>> : TrueType {};
 template <>
-struct IsMessage<VelodyneScanMessage> : TrueType {};
+struct IsMessage<lidar_mapping::test::VelodyneScanMessage> : TrueType {};
 template <>
-struct HasHeader<VelodyneScanMessage> : TrueType {};
+struct HasHeader<lidar_mapping::test::VelodyneScanMessage> : TrueType {};
 template <>
-struct MD5Sum<VelodyneScanMessage> {
-  static const char* value() { return "50804fc9533a0e579e6322c04ae70566"; }
-  static const char* value(const VelodyneScanMessage&) { return value(); }
-};
+struct IsMessage<lidar_mapping::test::OtherVelodyneScan> : TrueType {};
 template <>
-struct DataType<VelodyneScanMessage> {
-  static const char* value() { return "velodyne_msgs/VelodyneScan"; }
-  static const char* value(const VelodyneScanMessage&) { return value(); }
-};
-template <>
-struct Definition<VelodyneScanMessage> {
-  static const char* value() {
-    static const std::string text =
-        std::string("Header header\nVelodynePacket[] packets\n") +
-        lidar_mapping::test::kHeaderText +
-        "================================================================================\n"
-        "MSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n";
-    return text.c_str();
-  }
-  static const char* value(const VelodyneScanMessage&) { return value(); }
-};
-
-template <>
-struct IsMessage<OtherVelodyneScan> : TrueType {};
-template <>
-struct HasHeader<OtherVelodyneScan> : TrueType {};
-template <>
-struct MD5Sum<OtherVelodyneScan> {
-  static const char* value() { return "00000000000000000000000000000000"; }
-  static const char* value(const OtherVelodyneScan&) { return value(); }
-};
-template <>
-struct DataType<OtherVelodyneScan> : DataType<VelodyneScanMessage> {
-  using DataType<VelodyneScanMessage>::value;
-  static const char* value(const OtherVelodyneScan&) { return value(); }
-};
-template <>
-struct Definition<OtherVelodyneScan> {
-  static const char* value() { return "Header header\n"; }
-  static const char* value(const OtherVelodyneScan&) { return value(); }
-};
+struct HasHeader<lidar_mapping::test::OtherVelodyneScan> : TrueType {};
 
 }  // namespace message_traits
 

@@ -6,7 +6,7 @@
 #include "lidar_mapping/ros/recording_check.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-#include "drive_output.hpp"
+#include "simulated_drive/drive_output.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {

@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "child_program.hpp"
+#include "command_line/child_program.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {

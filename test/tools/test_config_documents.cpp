@@ -14,8 +14,8 @@
 #include "lidar_mapping/preprocessing/floor_detection_config.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
-#include "config_documents.hpp"
-#include "stage_files.hpp"
+#include "parameters/config_documents.hpp"
+#include "parameters/stage_files.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {

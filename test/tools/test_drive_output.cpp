@@ -16,8 +16,8 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-#include "drive_output.hpp"
 #include "near.hpp"
+#include "simulated_drive/drive_output.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {

@@ -9,8 +9,8 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
-#include "localize_files.hpp"
-#include "localize_summary.hpp"
+#include "localization/localize_files.hpp"
+#include "localization/localize_summary.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 

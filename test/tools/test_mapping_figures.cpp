@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "mapping_figures.hpp"
+#include "mapping/mapping_figures.hpp"
 
 namespace lidar_mapping::tools {
 namespace {

@@ -25,4 +25,11 @@ config::Source stored_configuration(const session::Session& session) {
   return {origin, {known}};
 }
 
+/// The same as a configuration, with defaults for what the session does not hold. Throws
+/// ConfigError if a value is not allowed.
+template <typename Config>
+Config stored_config(const session::Session& session) {
+  return config::load<Config>({stored_configuration<Config>(session)});
+}
+
 }  // namespace lidar_mapping::pipeline

@@ -19,44 +19,26 @@ struct GeoPointStamped {
 }  // namespace lidar_mapping::ros_border
 
 // What roscpp asks of a type of message.
+ROS_IMPLEMENT_SIMPLE_TOPIC_TRAITS(
+    lidar_mapping::ros_border::GeoPointStamped, "ea50d268b03080563c330351a21edc89",
+    "geographic_msgs/GeoPointStamped",
+    "Header header\n"
+    "geographic_msgs/GeoPoint position\n"
+    "================================================================================\n"
+    "MSG: std_msgs/Header\n"
+    "uint32 seq\n"
+    "time stamp\n"
+    "string frame_id\n"
+    "================================================================================\n"
+    "MSG: geographic_msgs/GeoPoint\n"
+    "float64 latitude\n"
+    "float64 longitude\n"
+    "float64 altitude\n")
+
 namespace ros {
-namespace message_traits {
 
 template <>
-struct DataType<lidar_mapping::ros_border::GeoPointStamped> {
-  static const char* value() { return "geographic_msgs/GeoPointStamped"; }
-  static const char* value(const lidar_mapping::ros_border::GeoPointStamped&) { return value(); }
-};
-
-template <>
-struct MD5Sum<lidar_mapping::ros_border::GeoPointStamped> {
-  static const char* value() { return "ea50d268b03080563c330351a21edc89"; }
-  static const char* value(const lidar_mapping::ros_border::GeoPointStamped&) { return value(); }
-};
-
-template <>
-struct Definition<lidar_mapping::ros_border::GeoPointStamped> {
-  static const char* value() {
-    return "Header header\n"
-           "geographic_msgs/GeoPoint position\n"
-           "================================================================================\n"
-           "MSG: std_msgs/Header\n"
-           "uint32 seq\n"
-           "time stamp\n"
-           "string frame_id\n"
-           "================================================================================\n"
-           "MSG: geographic_msgs/GeoPoint\n"
-           "float64 latitude\n"
-           "float64 longitude\n"
-           "float64 altitude\n";
-  }
-  static const char* value(const lidar_mapping::ros_border::GeoPointStamped&) { return value(); }
-};
-
-template <>
-struct HasHeader<lidar_mapping::ros_border::GeoPointStamped> : TrueType {};
-
-}  // namespace message_traits
+struct message_traits::HasHeader<lidar_mapping::ros_border::GeoPointStamped> : TrueType {};
 
 namespace serialization {
 

@@ -19,39 +19,21 @@ struct NmeaSentence {
 }  // namespace lidar_mapping::ros_border
 
 // What roscpp asks of a type of message.
+ROS_IMPLEMENT_SIMPLE_TOPIC_TRAITS(
+    lidar_mapping::ros_border::NmeaSentence, "9f221efc5f4b3bac7ce4af102b32308b",
+    "nmea_msgs/Sentence",
+    "Header header\n"
+    "string sentence\n"
+    "================================================================================\n"
+    "MSG: std_msgs/Header\n"
+    "uint32 seq\n"
+    "time stamp\n"
+    "string frame_id\n")
+
 namespace ros {
-namespace message_traits {
 
 template <>
-struct DataType<lidar_mapping::ros_border::NmeaSentence> {
-  static const char* value() { return "nmea_msgs/Sentence"; }
-  static const char* value(const lidar_mapping::ros_border::NmeaSentence&) { return value(); }
-};
-
-template <>
-struct MD5Sum<lidar_mapping::ros_border::NmeaSentence> {
-  static const char* value() { return "9f221efc5f4b3bac7ce4af102b32308b"; }
-  static const char* value(const lidar_mapping::ros_border::NmeaSentence&) { return value(); }
-};
-
-template <>
-struct Definition<lidar_mapping::ros_border::NmeaSentence> {
-  static const char* value() {
-    return "Header header\n"
-           "string sentence\n"
-           "================================================================================\n"
-           "MSG: std_msgs/Header\n"
-           "uint32 seq\n"
-           "time stamp\n"
-           "string frame_id\n";
-  }
-  static const char* value(const lidar_mapping::ros_border::NmeaSentence&) { return value(); }
-};
-
-template <>
-struct HasHeader<lidar_mapping::ros_border::NmeaSentence> : TrueType {};
-
-}  // namespace message_traits
+struct message_traits::HasHeader<lidar_mapping::ros_border::NmeaSentence> : TrueType {};
 
 namespace serialization {
 

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "display/drive_display.hpp"
+
+#include "display/age_markers.hpp"
+#include "display/drive_status.hpp"
+#include "display/path_display.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+const ros::WallDuration kInterval(1.0);
+const ros::WallDuration kSilence(5.0);
+constexpr double kFixDistance = 1.0;  // m, between positions on display; chosen: else they overlap
+constexpr std::size_t kTasks = 20;    // waiting tasks; chosen: more would only delay the display
+
+bool is_silent(const DriveView& view) {
+  return !view.state.empty() && ros::WallTime::now() - view.newest_scan > kSilence;
+}
+
+double length_of(const KeyFramePoses& poses) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < poses.poses.size(); ++i) {
+    length +=
+        (poses.poses[i].T_map_base.translation - poses.poses[i - 1].T_map_base.translation).norm();
+  }
+  return length;
+}
+
+}  // namespace
+
+bool DriveView::add_fix(const Eigen::Vector3d& position) {
+  if (!gnss.empty() && (position - gnss.back()).norm() < kFixDistance) return false;
+  gnss.push_back(position);
+  return true;
+}
+
+void DriveView::add_loop(KeyFrameIndex from, KeyFrameIndex to) {
+  LoopVerdict verdict;
+  verdict.from = from;
+  verdict.to = to;
+  loops.try_emplace({from, to}, verdict);
+}
+
+DriveDisplay::DriveDisplay(NodeContext& context, const NodeFields& fields,
+                           std::function<const DriveView&()> view)
+    : context_(context),
+      fields_(fields),
+      view_(std::move(view)),
+      tasks_(context.worker.add_channel("display", kTasks)),
+      odom_path_(advertise<nav_msgs::Path>("odom_path", true, &DriveDisplay::graph_changed)),
+      optimized_path_(
+          advertise<nav_msgs::Path>("optimized_path", true, &DriveDisplay::graph_changed)),
+      graph_markers_(advertise<visualization_msgs::MarkerArray>("graph_markers", false,
+                                                                &DriveDisplay::show_all_markers)),
+      timer_(context.node.createWallTimer(kInterval, [this](const ros::WallTimerEvent&) {
+        context_.worker.post(tasks_, [this] { show_if_due(); });
+      })) {}
+
+template <typename Message>
+ros::Publisher DriveDisplay::advertise(const std::string& topic, bool latched,
+                                       void (DriveDisplay::*connected)()) {
+  const auto task = [this, connected] { (this->*connected)(); };
+  return context_.node.advertise<Message>(
+      topic, 2, [this, task](const auto&) { context_.worker.post(tasks_, task); },
+      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), latched);
+}
+
+void DriveDisplay::graph_changed() {
+  graph_outdated_ = paths_outdated_ = true;
+  status_changed();
+}
+
+void DriveDisplay::status_changed() {
+  markers_outdated_ = true;
+  show_if_due();
+}
+
+/// Called by the timer as well, so that the last of many changes in a short time is displayed too.
+void DriveDisplay::show_if_due() {
+  if (is_silent(view_()) != was_silent_) markers_outdated_ = true;
+  const ros::WallTime now = ros::WallTime::now();
+  if (!markers_outdated_ || now - shown_at_ < kInterval) return;
+  shown_at_ = now;
+  if (paths_outdated_) show_paths();
+  show_markers();
+}
+
+void DriveDisplay::show_paths() {
+  paths_outdated_ = false;
+  const map::KeyFrameTrack& track = view_().track;
+  if (track.size() == 0) return;
+  if (odom_path_.getNumSubscribers() > 0) {
+    odom_path_.publish(to_path(track.odometry(), fields_.map_frame));
+  }
+  if (optimized_path_.getNumSubscribers() > 0) {
+    optimized_path_.publish(to_path(track.poses(), fields_.map_frame));
+  }
+}
+
+void DriveDisplay::show_markers() {
+  markers_outdated_ = false;
+  if (graph_markers_.getNumSubscribers() == 0) return;
+  const visualization_msgs::MarkerArray changes = feed_.changes(markers());
+  if (!changes.markers.empty()) graph_markers_.publish(changes);
+  markers_outdated_ = feed_.has_more();
+}
+
+/// For a new subscriber.
+void DriveDisplay::show_all_markers() { graph_markers_.publish(feed_.whole(markers())); }
+
+MarkerFeed::Markers DriveDisplay::markers() {
+  const DriveView& view = view_();
+  if (std::exchange(graph_outdated_, false)) {
+    graph_ = graph_markers(view.track, view.loops, view.candidates, fields_.map_frame);
+    for (const MarkerFeed::Markers& more :
+         {age_markers(view.track, fields_.map_frame),
+          floor_markers(view.track, view.floors.below(), fields_.map_frame),
+          gnss_markers(view.gnss, fields_.map_frame)}) {
+      graph_.insert(graph_.end(), more.begin(), more.end());
+    }
+  }
+  MarkerFeed::Markers all = graph_;
+  all.push_back(status());
+  return all;
+}
+
+visualization_msgs::Marker DriveDisplay::status() {
+  const DriveView& view = view_();
+  was_silent_ = is_silent(view);
+  DriveStatus status;
+  status.state = view.state;
+  status.silent = was_silent_;
+  status.problem = view.problem;
+  status.key_frames = view.track.size();
+  status.optimized = view.optimized == view.track.size();
+  status.length = length_of(view.track.poses());
+  for (const auto& [pair, loop] : view.loops) {
+    ++(loop.verdict == Verdict::kRefused ? status.loops_refused : status.loops_used);
+  }
+  return status_text(status, fields_.map_frame, fields_.base_frame);
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <ros/publisher.h>
+#include <ros/wall_timer.h>
+
+#include "lidar_mapping/map/key_frame_track.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+
+#include "display/drive_floors.hpp"
+#include "display/graph_markers.hpp"
+#include "display/marker_feed.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// The state of a drive that is displayed, without clouds.
+struct DriveView {
+  map::KeyFrameTrack track;
+  Verdicts loops;                     ///< with the verdicts of the graph
+  Verdicts candidates;                ///< not accepted by matching
+  std::vector<Eigen::Vector3d> gnss;  ///< antenna positions in the map, at least a metre apart
+  DriveFloors floors;
+  std::string state;          ///< of the front end at the newest scan; empty before the first scan
+  std::string problem;        ///< why there are no scans
+  std::size_t optimized = 0;  ///< key frames at the newest answer of optimize_map
+  ros::WallTime newest_scan;  ///< time of its arrival
+
+  /// Adds an antenna position unless it is too near to the last one; returns whether it was added.
+  bool add_fix(const Eigen::Vector3d& position);
+  /// Adds a loop without verdict, unless it is known.
+  void add_loop(KeyFrameIndex from, KeyFrameIndex to);
+};
+
+/// Publishes odom_path and optimized_path (at most kPathPoses poses) and graph_markers (changes;
+/// all of them to a new subscriber), at most once a second each, and only for subscribers. All but
+/// the constructor is called in the worker's thread.
+class DriveDisplay {
+ public:
+  /// `view` returns the state to be displayed.
+  DriveDisplay(NodeContext& context, const NodeFields& fields,
+               std::function<const DriveView&()> view);
+
+  /// Called when poses, loops or positions have changed.
+  void graph_changed();
+  /// Called when the text has changed.
+  void status_changed();
+
+ private:
+  template <typename Message>
+  ros::Publisher advertise(const std::string& topic, bool latched,
+                           void (DriveDisplay::*connected)());
+  void show_if_due();
+  void show_paths();
+  void show_markers();
+  void show_all_markers();
+  MarkerFeed::Markers markers();
+  visualization_msgs::Marker status();
+
+  NodeContext& context_;
+  const NodeFields fields_;
+  std::function<const DriveView&()> view_;
+  Worker::ChannelId tasks_;
+  MarkerFeed feed_;
+  MarkerFeed::Markers graph_;  ///< of the newest displayed graph
+  bool graph_outdated_ = true;
+  bool paths_outdated_ = true;
+  bool markers_outdated_ = true;
+  bool was_silent_ = false;
+  ros::WallTime shown_at_;
+  ros::Publisher odom_path_, optimized_path_, graph_markers_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace lidar_mapping::ros_border

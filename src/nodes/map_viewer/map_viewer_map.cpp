@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <future>
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/pipeline/session_marks.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+
+#include "map_viewer/map_order.hpp"
+#include "map_viewer_node.hpp"
+
+// The map: its display, and the service save_map that writes it to disk.
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// `stage`, with another resolution unless that is 0.
+map::MapConfig with_resolution(const map::MapConfig& stage, double resolution) {
+  if (resolution == 0.0) return stage;
+  return config::load<map::MapConfig>(
+      {config::parse_yaml(config::to_yaml(stage), "map"),
+       {"save_map", {config::Value::Map{{"resolution", {resolution}}}}}});
+}
+
+}  // namespace
+
+/// The map is only built while there are subscribers; a new subscriber triggers it.
+ros::Publisher MapViewerNode::advertise_map() {
+  const auto task = [this] {
+    if (run_) show_map(true);
+  };
+  return context_.node.advertise<sensor_msgs::PointCloud2>(
+      "global_map", 1, [this, task](const auto&) { context_.worker.post(requests_, task); },
+      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+}
+
+/// As long as no poses move, the displayed map is updated at intervals.
+void MapViewerNode::refresh_at_intervals() {
+  if (config_.map_cloud_update_interval == 0.0) return;
+  const auto task = [this] {
+    if (run_ && map_outdated_) show_map(false);
+  };
+  refresh_timer_ = context_.node.createWallTimer(
+      ros::WallDuration(config_.map_cloud_update_interval),
+      [this, task](const ros::WallTimerEvent&) { context_.worker.post(requests_, task); });
+}
+
+/// A request that still waits in the queue is replaced by this newer one.
+void MapViewerNode::show_map(bool always) {
+  if (global_map_.getNumSubscribers() == 0) return;
+  map_outdated_ = false;
+  builder_.post(builds_, [this, run = run_, poses = view_.track.poses(), always] {
+    build_and_publish(run, poses, always);
+  });
+}
+
+void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                                      bool always) {
+  const std::uint64_t before = run->builder.revision();
+  run->builder.update(poses);
+  if (poses.poses.empty() || (!always && run->builder.revision() == before)) return;
+  const PointCloud map = run->builder.build();
+  const Stamp stamp = poses.poses.back().stamp;
+  global_map_.publish(to_message(map, stamp, config_.node.map_frame));
+  context_.diagnostics.count_output(stamp);
+  context_.diagnostics.set("points", std::to_string(map.size()));
+  context_.diagnostics.set("clouds missing", std::to_string(run->builder.missing_clouds()));
+}
+
+/// Poses on the topic may arrive late, so the newest ones are fetched by the service: a map saved
+/// after optimize_map then has the optimised poses with all their key frames.
+void MapViewerNode::fetch_newest_poses() {
+  const auto state = back_end_.run();
+  if (!state) return;
+  key_frames_.note(state->indices());
+  if (run_ && state->run_id == run_id_) view_.track.update(state->poses);
+}
+
+bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
+  auto answer = std::make_shared<std::promise<SaveMap::Response>>();
+  std::future<SaveMap::Response> future = answer->get_future();
+  context_.worker.post(requests_, [this, answer, request] {
+    fetch_newest_poses();
+    if (!run_) {
+      SaveMap::Response nothing;
+      nothing.message = "there are no key frames yet; nothing to save";
+      return answer->set_value(nothing);
+    }
+    builder_.post(saves_,
+                  [this, answer, request, run = run_, poses = view_.track.poses(), datum = datum_] {
+                    answer->set_value(save(run, poses, datum, request));
+                  });
+  });
+  answer.reset();
+  try {
+    response = future.get();
+  } catch (const std::future_error&) {
+    response.message = "the map viewer is ending";
+  }
+  return true;
+}
+
+SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                                      const std::optional<GeodeticDatum>& datum,
+                                      const SaveMap::Request& request) {
+  SaveMap::Response response;
+  try {
+    MapOrder order = map_order(request);
+    order.options.datum = datum;
+    complete(order.options, poses);
+    if (order.directory.empty()) order.directory = session_map();
+    const map::Products products =
+        map::write_products(poses, run->clouds, with_resolution(config_.stage, request.resolution),
+                            order.options, order.directory);
+    for (const auto& file : products.files) response.files.push_back(file.string());
+    response.success = true;
+    response.message = std::to_string(products.points) + " points of " +
+                       std::to_string(poses.poses.size()) + " key frames, written to " +
+                       order.place().string();
+    if (!order.options.p_base_sensor && !request.keep_moving) {
+      response.message += ", with those of moving objects: no session says where the LiDAR is";
+    }
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return response;
+}
+
+/// Adds sensor origin, datum and marks from the session. Its datum has priority over that of this
+/// node, because a resumed session keeps the datum of its first drive.
+void MapViewerNode::complete(map::ProductOptions& options, const KeyFramePoses& poses) const {
+  options.frame = config_.node.map_frame;
+  std::string folder;
+  if (!context_.node.getParam("session_folder", folder)) return;
+  try {
+    const auto session = session::Session::open(folder, session::Session::Access::kRead);
+    options.p_base_sensor = session.sensor_origin();
+    if (session.datum()) options.datum = session.datum();
+    options.marks = [folder, &poses] {
+      return pipeline::session_marks(
+          session::Session::open(folder, session::Session::Access::kRead), poses);
+    };
+  } catch (const FileError&) {
+    // The session is on another machine, so the sensor origin is unknown.
+  }
+}
+
+std::filesystem::path MapViewerNode::session_map() const {
+  std::string session;
+  if (context_.node.getParam("session_folder", session)) {
+    return std::filesystem::path(session) / "map";
+  }
+  throw InputError("no session is known, as there is no back end; name a directory");
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/ros/bag_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+#include "bags/bag_chunk.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+constexpr char kVersion[] = "#ROSBAG V2.0\n";
+constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // by definition: without the zero
+constexpr std::size_t kAnyVersionLength = 9;                    // by the format: "#ROSBAG V"
+constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
+// Bytes that are requested from the disk in advance. Chosen: some chunks of a bag.
+constexpr std::uint64_t kAhead = 8'000'000;
+
+enum Operation : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndex = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7
+};
+
+template <typename Number>
+Number number_at(const std::uint8_t* bytes) {
+  Number number;
+  std::memcpy(&number, bytes, sizeof number);
+  return number;
+}
+
+/// Times are written as seconds and nanoseconds.
+Stamp time_at(const std::uint8_t* bytes) {
+  return from_seconds(1.0) * number_at<std::uint32_t>(bytes) + number_at<std::uint32_t>(bytes + 4);
+}
+
+using HeaderFields = std::map<std::string, std::string>;
+
+/// The fields of a header, each with its length and "name=value"; empty if they do not fill the
+/// bytes. (ros::Header does not check the lengths and reads past the end.)
+std::optional<HeaderFields> header_fields(ByteRange bytes) {
+  HeaderFields fields;
+  while (bytes.size > 0) {
+    std::uint32_t length = 0;
+    if (bytes.size < sizeof length) return std::nullopt;
+    std::memcpy(&length, bytes.first, sizeof length);
+    if (length > bytes.size - sizeof length) return std::nullopt;
+    const auto* text = reinterpret_cast<const char*>(bytes.first) + sizeof length;
+    const auto* equals = static_cast<const char*>(std::memchr(text, '=', length));
+    if (equals == nullptr) return std::nullopt;
+    fields[std::string(text, equals)] = std::string(equals + 1, text + length);
+    bytes = {bytes.first + sizeof length + length, bytes.size - sizeof length - length};
+  }
+  return fields;
+}
+
+}  // namespace
+
+/// Record of a bag: "name=value" fields, and the position of the data after them.
+struct BagFile::Record {
+  std::uint64_t position = 0;
+  HeaderFields fields;
+  std::uint64_t data = 0;
+  std::uint32_t size = 0;
+
+  std::uint64_t end() const { return data + size; }
+  template <typename Number>
+  Number number(const BagFile& file, const std::string& name) const {
+    return number_at<Number>(bytes(file, name, sizeof(Number)));
+  }
+  Stamp time(const BagFile& file, const std::string& name) const {
+    return time_at(bytes(file, name, 8));
+  }
+  const std::uint8_t* bytes(const BagFile& file, const std::string& name,
+                            std::size_t expected) const {
+    const auto field = fields.find(name);
+    if (field == fields.end() || field->second.size() != expected) file.fail_at(position);
+    return reinterpret_cast<const std::uint8_t*>(field->second.data());
+  }
+  bool is(const BagFile& file, Operation operation) const {
+    return number<std::uint8_t>(file, "op") == operation;
+  }
+};
+
+BagFile::BagFile(const std::string& path) : BagFile(path, nullptr) {}
+
+BagFile::BagFile(const std::string& path, const std::vector<std::string>& topics)
+    : BagFile(path, &topics) {}
+
+/// Without a list of topics all are read.
+BagFile::BagFile(const std::string& path, const std::vector<std::string>* topics) : path_(path) {
+  const std::string problem = "cannot read the bag " + path + ": ";
+  if (std::filesystem::is_directory(path)) {
+    throw FileError(problem + "it is a folder; name the bags in it");
+  }
+  if (!std::filesystem::is_regular_file(path)) {
+    throw FileError(problem + "there is no such file; check its path");
+  }
+  size_ = std::filesystem::file_size(path);
+  if (size_ == 0) throw FileError(problem + "it is empty; copy or record it again");
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw FileError(problem + std::strerror(errno) + "; check the permissions");
+  try {
+    read_index(topics);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+BagFile::~BagFile() { ::close(descriptor_); }
+
+void BagFile::fail(const std::string& reason) const {
+  throw FileError("cannot read the bag " + path_ + ": " + reason + "; try rosbag reindex");
+}
+
+void BagFile::fail_at(std::uint64_t position) const {
+  fail("the record at byte " + std::to_string(position) + " is damaged");
+}
+
+void BagFile::read_bytes(std::uint64_t position, void* to, std::size_t size) const {
+  auto* at = static_cast<std::uint8_t*>(to);
+  while (size > 0) {
+    const ssize_t got = ::pread(descriptor_, at, size, static_cast<off_t>(position));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(std::strerror(errno));
+    if (got == 0) fail("its end is missing");
+    at += got;
+    position += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+}
+
+void BagFile::fail_chunk(std::uint64_t position) const {
+  fail("a chunk is damaged at byte " + std::to_string(position));
+}
+
+BagFile::Record BagFile::record_at(std::uint64_t position) const {
+  // Bytes; chosen: far above any header, whose fields are short.
+  constexpr std::uint32_t kLongestHeader = 1'000'000;
+  std::uint32_t length = 0;
+  if (position >= size_) fail("its end is missing");
+  read_bytes(position, &length, sizeof length);
+  if (length > kLongestHeader) fail_at(position);
+  std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
+  read_bytes(position + sizeof length, text.data(), text.size());
+  const auto fields = header_fields({text.data(), length});
+  if (!fields) fail_at(position);
+  const Record record{position, *fields, position + sizeof length + text.size(),
+                      number_at<std::uint32_t>(text.data() + length)};
+  if (record.end() > size_) {
+    fail("its end is missing, within the record at byte " + std::to_string(position));
+  }
+  return record;
+}
+
+void BagFile::read_index(const std::vector<std::string>* topics) {
+  char version[kVersionLength] = {};
+  read_bytes(0, version, std::min<std::uint64_t>(size_, sizeof version));
+  if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
+    throw FileError("cannot read the bag " + path_ +
+                    ": it is no bag; rosbag info says what one holds");
+  }
+  if (std::memcmp(version, kVersion, sizeof version) != 0) {
+    fail("it is not of version 2.0 (rosbag fix converts it)");
+  }
+  const Record bag = record_at(kVersionLength);
+  if (!bag.is(*this, kBagHeader)) fail_at(bag.position);
+  const auto encryptor = bag.fields.find("encryptor");
+  if (encryptor != bag.fields.end() && !encryptor->second.empty()) {
+    fail("it is encrypted (rosbag decrypt helps)");
+  }
+  std::uint64_t position = index_position(bag);
+  const auto records = bag.number<std::uint32_t>(*this, "conn_count") +
+                       std::uint64_t{bag.number<std::uint32_t>(*this, "chunk_count")};
+  for (std::uint64_t i = 0; i < records; ++i) {
+    const Record record = record_at(position);
+    if (record.is(*this, kConnection)) add_connection(record, topics);
+    if (record.is(*this, kChunkInfo)) add_chunk(record);
+    position = record.end();
+  }
+  const auto earlier = [](const BagChunk& a, const BagChunk& b) {
+    return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
+  };
+  std::sort(chunks_.begin(), chunks_.end(), earlier);
+}
+
+/// Position of the index; 0 if the recording was killed.
+std::uint64_t BagFile::index_position(const Record& header) const {
+  const auto position = header.number<std::uint64_t>(*this, "index_pos");
+  if (position == 0) {
+    throw FileError("cannot read the bag " + path_ +
+                    ": it has no index, as its recording was broken off; rosbag reindex makes one");
+  }
+  if (position < header.end()) fail_at(header.position);
+  return position;
+}
+
+void BagFile::add_connection(const Record& record, const std::vector<std::string>* topics) {
+  const auto topic = record.fields.find("topic");
+  if (topic == record.fields.end()) fail_at(record.position);
+  const auto is_wanted = [&] {
+    return std::find(topics->begin(), topics->end(), topic->second) != topics->end();
+  };
+  if (topics != nullptr && !is_wanted()) return;
+  std::vector<std::uint8_t> text(record.size);
+  read_bytes(record.data, text.data(), text.size());
+  const auto fields = header_fields({text.data(), text.size()});
+  if (!fields) fail_at(record.position);
+  BagConnection& connection = connections_[record.number<std::uint32_t>(*this, "conn")];
+  connection.topic = topic->second;
+  const auto type = fields->find("type");
+  const auto md5sum = fields->find("md5sum");
+  if (type != fields->end()) connection.type = type->second;
+  if (md5sum != fields->end()) connection.md5sum = md5sum->second;
+}
+
+/// The data of the record have the number of messages of each connection in the chunk.
+void BagFile::add_chunk(const Record& record) {
+  std::vector<std::uint8_t> counts(record.size / 8 * 8);
+  read_bytes(record.data, counts.data(), counts.size());
+  bool is_wanted = false;
+  for (std::size_t i = 0; i < counts.size(); i += 8) {
+    const auto connection = connections_.find(number_at<std::uint32_t>(&counts[i]));
+    if (connection == connections_.end()) continue;
+    connection->second.messages += number_at<std::uint32_t>(&counts[i + 4]);
+    is_wanted = true;
+  }
+  if (!is_wanted) return;
+  chunks_.push_back(
+      {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
+}
+
+std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) const {
+  std::vector<BagEntry> entries;
+  const Record head = record_at(chunk.position);
+  ::posix_fadvise(descriptor_, static_cast<off_t>(head.end()), kAhead, POSIX_FADV_WILLNEED);
+  Record record = record_at(head.end());
+  while (record.is(*this, kIndex)) {
+    add_entries(record, entries);
+    record = record_at(record.end());
+  }
+  std::sort(entries.begin(), entries.end(), [](const BagEntry& a, const BagEntry& b) {
+    return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
+  });
+  return entries;
+}
+
+void BagFile::add_entries(const Record& record, std::vector<BagEntry>& entries) const {
+  // Bytes of time and offset, by version 1 of index data in bag format 2.0.
+  constexpr std::size_t kEntry = 12;
+  const auto connection = record.number<std::uint32_t>(*this, "conn");
+  if (connections_.count(connection) == 0) return;
+  std::vector<std::uint8_t> text(record.size / kEntry * kEntry);
+  read_bytes(record.data, text.data(), text.size());
+  for (std::size_t i = 0; i < text.size(); i += kEntry) {
+    if (number_at<std::uint32_t>(&text[i + 4]) >= kNanosecondsPerSecond) fail_at(record.position);
+    entries.push_back({time_at(&text[i]), number_at<std::uint32_t>(&text[i + 8]), connection});
+  }
+}
+
+ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
+  const Record record = record_at(chunk.position);
+  const auto compression = record.fields.find("compression");
+  if (!record.is(*this, kChunk) || compression == record.fields.end()) {
+    fail_at(record.position);
+  }
+  ChunkContent content;
+  content.size = record.number<std::uint32_t>(*this, "size");
+  if (content.size > largest_content(compression->second, record.size)) fail_chunk(record.position);
+  content.bytes = memory.take(content.size);
+  if (compression->second == "none") {
+    if (record.size != content.size) fail_chunk(record.position);
+    read_bytes(record.data, content.bytes.get(), content.size);
+    return content;
+  }
+  compressed_.resize(std::max<std::size_t>(compressed_.size(), record.size));
+  read_bytes(record.data, compressed_.data(), record.size);
+  try {
+    decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
+               content.size);
+  } catch (const InputError& error) {
+    fail(std::string(error.what()) + " at byte " + std::to_string(record.position));
+  }
+  return content;
+}
+
+ByteRange BagFile::message(const ChunkContent& content, const BagEntry& entry) const {
+  std::size_t at = entry.offset;
+  const auto take = [&]() -> ByteRange {
+    constexpr std::size_t kLength = sizeof(std::uint32_t);
+    if (at + kLength > content.size) fail("a chunk is damaged");
+    const auto length = number_at<std::uint32_t>(content.bytes.get() + at);
+    at += kLength;
+    if (length > content.size - at) fail("a chunk is damaged");
+    at += length;
+    return {content.bytes.get() + at - length, length};
+  };
+  for (;;) {
+    const auto fields = header_fields(take());
+    const ByteRange data = take();
+    const auto operation = fields ? fields->find("op") : HeaderFields::const_iterator();
+    if (!fields || operation == fields->end() || operation->second.size() != 1) {
+      fail("a chunk is damaged");
+    }
+    if (operation->second[0] == static_cast<char>(kMessage)) return data;
+    if (operation->second[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
+  }
+}
+
+}  // namespace lidar_mapping::ros_border

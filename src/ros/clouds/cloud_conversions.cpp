@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/outgoing_cloud.hpp"
+
+#include "clouds/point_fields.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+sensor_msgs::PointField float_field(const std::string& name, std::uint32_t offset) {
+  sensor_msgs::PointField field;
+  field.name = name;
+  field.offset = offset;
+  field.datatype = sensor_msgs::PointField::FLOAT32;
+  field.count = 1;
+  return field;
+}
+
+/// Byte offset of a float field in a point; nothing if there is no such field.
+std::optional<std::size_t> offset_of(const CloudView& message, const std::string& name) {
+  const sensor_msgs::PointField* field = find_field(message, name);
+  if (field == nullptr) return std::nullopt;
+  if (field->datatype != sensor_msgs::PointField::FLOAT32) {
+    throw InputError("cloud: field '" + name + "' is not a FLOAT32");
+  }
+  return field->offset;
+}
+
+std::size_t required_offset(const CloudView& message, const std::string& name) {
+  const auto offset = offset_of(message, name);
+  if (!offset) throw InputError("cloud: field '" + name + "' is missing");
+  return *offset;
+}
+
+}  // namespace
+
+OutgoingCloud::OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id)
+    : cloud(points) {
+  head.header.stamp = to_ros(stamp);
+  head.header.frame_id = frame_id;
+  head.fields = {float_field("x", 0), float_field("y", 4), float_field("z", 8),
+                 float_field("intensity", 12)};
+  if (cloud.has_times()) head.fields.push_back(float_field("time", 16));
+  head.point_step = cloud.has_times() ? 20 : 16;
+  head.height = 1;
+  head.width = static_cast<std::uint32_t>(cloud.size());
+  head.row_step = head.width * head.point_step;
+  head.is_dense = true;
+}
+
+void OutgoingCloud::write_data(std::uint8_t* to) const {
+  if (cloud.empty()) return;
+  if (!cloud.has_times()) {  // the points as they lie in memory
+    std::memcpy(to, cloud.points.data(), head.row_step);
+    return;
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i, to += head.point_step) {
+    std::memcpy(to, &cloud.points[i], sizeof(Point));
+    std::memcpy(to + sizeof(Point), &cloud.times[i], sizeof(float));
+  }
+}
+
+sensor_msgs::PointCloud2 to_message(const PointCloud& cloud, Stamp stamp,
+                                    const std::string& frame_id) {
+  const OutgoingCloud outgoing(cloud, stamp, frame_id);
+  sensor_msgs::PointCloud2 message = outgoing.head;
+  message.data.resize(message.row_step);
+  outgoing.write_data(message.data.data());
+  return message;
+}
+
+PointCloud from_message(const sensor_msgs::PointCloud2& message) {
+  PointCloud cloud;
+  if (message.width == 0 || message.height == 0) return cloud;
+  check_size(message);
+  const std::size_t x = required_offset(message, "x");
+  const std::size_t y = required_offset(message, "y");
+  const std::size_t z = required_offset(message, "z");
+  const auto intensity = offset_of(message, "intensity");
+  const auto time = offset_of(message, "time");
+  const std::size_t count = std::size_t{message.width} * message.height;
+  cloud.points.reserve(count);
+  if (time) cloud.times.reserve(count);
+  for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
+    const Point point{read<float>(in + x), read<float>(in + y), read<float>(in + z),
+                      intensity ? read<float>(in + *intensity) : 0.0F};
+    const float t = time ? read<float>(in + *time) : 0.0F;
+    if (!point.position().allFinite() || !std::isfinite(t)) return;
+    cloud.points.push_back(point);
+    if (time) cloud.times.push_back(t);
+  });
+  return cloud;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/ros/cloud_reader.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+#include "clouds/velodyne_scan.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+std::optional<preprocessing::VelodyneCalibration> calibration_of(
+    const preprocessing::PreprocessingConfig& config) {
+  if (config.velodyne_calibration.empty()) return std::nullopt;
+  return preprocessing::read_velodyne_calibration(config.velodyne_calibration);
+}
+
+}  // namespace
+
+CloudReader::CloudReader(const preprocessing::PreprocessingConfig& config)
+    : config_(config), velodyne_(calibration_of(config)) {}
+
+DecodedCloud CloudReader::read(const RecordedCloud& cloud, PointCloud buffer) const {
+  if (cloud.holds_packets) return read_packets(cloud, std::move(buffer));
+  return decode(cloud.view(), config_, std::move(buffer));
+}
+
+DecodedCloud CloudReader::read_lazily(const RecordedCloud& cloud, PointCloud buffer) const {
+  if (cloud.holds_packets) return read_packets(cloud, std::move(buffer));
+  return decode_lazily(cloud.view(), cloud.memory, config_, std::move(buffer));
+}
+
+DecodedCloud CloudReader::read_packets(const RecordedCloud& cloud, PointCloud buffer) const {
+  DecodedCloud result;
+  const std_msgs::Header& header = cloud.message.header;
+  result.scan.stamp = from_ros(header.stamp);
+  result.scan.frame_id = frame_name(header.frame_id);
+  preprocessing::PacketScan scan =
+      velodyne_.decode(velodyne_packets(cloud.data), result.scan.stamp, std::move(buffer));
+  result.scan.cloud = std::move(scan.cloud);
+  result.scan.times_are_absolute = true;
+  result.scan.time_span = scan.span;
+  CloudFormat& format = result.format;
+  format.contents = scan.contents;
+  format.damaged_packets = scan.damaged_packets;
+  format.intensity_field = "reflectivity";
+  if (result.scan.cloud.empty()) return result;
+  format.time_field = "packets";
+  format.time_unit = "us";
+  format.absolute_times = true;
+  format.first_time = scan.span.begin;
+  format.last_time = scan.span.end;
+  return result;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/ros/recorded_cloud.hpp"
+
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
+
+#include "clouds/livox_cloud.hpp"
+#include "clouds/point_cloud1.hpp"
+#include "clouds/velodyne_scan.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Bytes, by the format of sensor_msgs/PointField: an empty name, offset, datatype and count.
+constexpr std::uint32_t kShortestField = 4 + 4 + 1 + 4;
+
+/// Not by the library, which allocates the number of fields before it checks that the data have
+/// them, so that a damaged number could exhaust the memory.
+void read_fields(ros::serialization::IStream& stream,
+                 std::vector<sensor_msgs::PointField>& fields) {
+  std::uint32_t count = 0;
+  stream.next(count);
+  if (count > stream.getLength() / kShortestField) ros::serialization::throwStreamOverrun();
+  fields.resize(count);
+  for (sensor_msgs::PointField& field : fields) stream.next(field);
+}
+
+RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
+  RecordedCloud cloud;
+  sensor_msgs::PointCloud2& message = cloud.message;
+  stream.next(message.header);
+  stream.next(message.height);
+  stream.next(message.width);
+  read_fields(stream, message.fields);
+  stream.next(message.is_bigendian);
+  stream.next(message.point_step);
+  stream.next(message.row_step);
+  std::uint32_t length = 0;
+  stream.next(length);
+  cloud.data = {stream.advance(length), length};
+  return cloud;
+}
+
+struct Reader {
+  const char* type;
+  RecordedCloud (*read)(ros::serialization::IStream stream);
+};
+constexpr Reader kReaders[] = {{"sensor_msgs/PointCloud2", read_point_cloud2},
+                               {"livox_ros_driver/CustomMsg", read_livox_cloud},
+                               {"livox_ros_driver2/CustomMsg", read_livox_cloud},
+                               {"velodyne_msgs/VelodyneScan", read_velodyne_scan},
+                               {"sensor_msgs/PointCloud", read_point_cloud1}};
+
+}  // namespace
+
+RecordedCloud read_cloud(const std::string& type, ByteRange data,
+                         std::shared_ptr<const void> memory) {
+  for (const Reader& reader : kReaders) {
+    if (type != reader.type) continue;
+    // The library takes its input as uint8_t*, but leaves it as it is.
+    RecordedCloud cloud =
+        reader.read({const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)});
+    if (!cloud.memory) cloud.memory = std::move(memory);
+    return cloud;
+  }
+  throw InputError("no cloud is read from " + type);
+}
+
+std::optional<RecordedCloud> read_cloud(const BagMessage& recorded) {
+  if (!is_cloud(recorded.getDataType(), recorded.connection->md5sum)) return std::nullopt;
+  return read_cloud(recorded.getDataType(), recorded.data, recorded.memory);
+}
+
+}  // namespace lidar_mapping::ros_border

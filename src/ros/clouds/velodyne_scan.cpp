@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "clouds/velodyne_scan.hpp"
+
+#include <cstring>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using preprocessing::VelodynePacket;
+
+/// Bytes of velodyne_msgs/VelodynePacket by its definition: a time and the packet.
+constexpr std::uint32_t kTime = 8;
+constexpr std::uint32_t kPacket = kTime + VelodynePacket::kBytes;
+
+}  // namespace
+
+RecordedCloud read_velodyne_scan(ros::serialization::IStream stream) {
+  RecordedCloud cloud;
+  stream.next(cloud.message.header);
+  std::uint32_t count = 0;
+  stream.next(count);
+  if (count > stream.getLength() / kPacket) ros::serialization::throwStreamOverrun();
+  cloud.data = {stream.advance(count * kPacket), count * kPacket};
+  cloud.holds_packets = true;
+  return cloud;
+}
+
+std::vector<VelodynePacket> velodyne_packets(ByteRange data) {
+  std::vector<VelodynePacket> packets;
+  for (std::size_t at = 0; at < data.size; at += kPacket) {
+    ros::Time stamp;
+    std::memcpy(&stamp.sec, data.first + at, sizeof stamp.sec);
+    std::memcpy(&stamp.nsec, data.first + at + sizeof stamp.sec, sizeof stamp.nsec);
+    packets.push_back({from_ros(stamp), data.first + at + kTime});
+  }
+  return packets;
+}
+
+}  // namespace lidar_mapping::ros_border

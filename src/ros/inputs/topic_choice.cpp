@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/ros/topic_choice.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/ros/cloud_types.hpp"
+#include "lidar_mapping/ros/recorded_cloud.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
+
+#include "clouds/time_fields.hpp"
+#include "inputs/odometry_choice.hpp"
+#include "inputs/own_output.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Number of messages of each topic of that type.
+std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::string& type) {
+  std::map<std::string, std::size_t> sizes;
+  for (const BagTopic& topic : bags.topics()) {
+    if (topic.type == type && !is_own_output(topic.name)) sizes[topic.name] += topic.messages;
+  }
+  return sizes;
+}
+
+/// Kind of sensor by the cloud's fields; a larger value is more likely a LiDAR.
+enum class Kind { kUnknown, kReflecting, kScanning, kTimed };
+
+Kind kind_of(const RecordedCloud& recorded) try {
+  if (recorded.holds_packets) return Kind::kTimed;
+  const CloudView cloud = recorded.view();
+  if (time_fields(cloud)) return Kind::kTimed;
+  if (find_field(cloud, "ring") != nullptr) return Kind::kScanning;
+  return find_any_field(cloud, kIntensityNames) ? Kind::kReflecting : Kind::kUnknown;
+} catch (const InputError&) {
+  return Kind::kUnknown;
+}
+
+/// Throws InputError if the messages of a requested topic have another definition than is read.
+void check_definition(const std::string& name, const BagSet& bags) {
+  for (const BagTopic& topic : bags.topics()) {
+    if (topic.name != name) continue;
+    const std::string problem = foreign_definition(topic.type, topic.md5sum);
+    if (!problem.empty()) throw InputError(name + " holds " + problem + "; " + kForeignRemedy);
+  }
+}
+
+/// Checks that a requested topic exists; without a request takes the usual topic if it exists.
+void resolve_topic(std::string& wanted, const std::string& usual,
+                   const std::vector<std::string>& types, const BagSet& bags) {
+  if (wanted.empty()) {
+    if (bags.has(usual, types)) wanted = usual;
+  } else if (!bags.has(wanted, types)) {
+    throw InputError("there is no topic " + wanted + " of type " + joined(types, " or ") +
+                     " in the bags; rosbag info shows what there is");
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& own_outputs() {
+  static const std::vector<std::string> names = {
+      "synced_cloud",          "current_scan", "local_map",      "global_map",  "floor_points",
+      "floor_filtered_points", "synced_imu",   "synced_gnss",    "gnss_datum",  "synced_velocity",
+      "synced_inputs",         "laser_odom",   "optimized_odom", "ground_truth"};
+  return names;
+}
+
+std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic) {
+  BagStream messages = bags.messages_of({topic});
+  while (const auto message = messages.next()) {
+    try {
+      if (auto cloud = read_cloud(*message)) return cloud;
+    } catch (const ros::Exception&) {
+      continue;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string busiest_topic(const BagSet& bags, const std::string& type) {
+  const auto sizes = topics_of(bags, type);
+  const auto most = std::max_element(
+      sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == sizes.end() ? std::string() : most->first;
+}
+
+std::vector<std::string> cloud_topics(const BagSet& bags) {
+  using Candidate = std::tuple<Kind, std::size_t, std::string>;
+  std::vector<Candidate> candidates;
+  for (const BagTopic& topic : bags.topics()) {
+    if (!is_cloud(topic.type, topic.md5sum) || is_own_output(topic.name)) continue;
+    const auto cloud = first_cloud(bags, topic.name);
+    if (!cloud) continue;
+    candidates.emplace_back(kind_of(*cloud), topic.messages * cloud->data.size, topic.name);
+  }
+  std::sort(candidates.rbegin(), candidates.rend());
+  std::vector<std::string> topics;
+  for (const Candidate& candidate : candidates) topics.push_back(std::get<2>(candidate));
+  return topics;
+}
+
+SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
+  resolve_topic(wanted.points, "/kitti/velo/pointcloud", cloud_type_names(), bags);
+  check_definition(wanted.points, bags);
+  resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
+  resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
+  resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
+  const std::vector<std::string> clouds = cloud_topics(bags);
+  if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
+  const auto fill = [&](std::string& topic, const std::string& type) {
+    if (topic.empty()) topic = busiest_topic(bags, type);
+  };
+  fill(wanted.imu, "sensor_msgs/Imu");
+  fill(wanted.velocity, velocity_types().front());
+  if (wanted.velocity.empty()) wanted.velocity = odometry_with_twist(bags);
+  for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
+  return wanted;
+}
+
+}  // namespace lidar_mapping::ros_border

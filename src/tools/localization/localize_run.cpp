@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "localization/localize_run.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/pipeline/recorded_odometry.hpp"
+#include "lidar_mapping/pipeline/session_map.hpp"
+
+#include "localization/localize_files.hpp"
+#include "localization/localize_summary.hpp"
+#include "recording/recording_part.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+using localization::LocalizationState;
+
+// Exit status, see doc/localization.md; chosen as those of map_bag, and one of its own.
+constexpr int kStoppedEarly = 3;
+constexpr int kNeverFound = 5;
+
+std::optional<Pose> initial_pose_of(const LocalizingOptions& options) {
+  const std::vector<double>& p = options.initial_pose;
+  if (p.empty()) return std::nullopt;
+  Pose pose;
+  pose.translation = Eigen::Vector3d(p[0], p[1], p[2]);
+  pose.rotation = rotation_from_rpy(p[3] * kRadPerDeg, p[4] * kRadPerDeg, p[5] * kRadPerDeg);
+  return pose;
+}
+
+/// Localises scans one after the other.
+class LocalizedDrive {
+ public:
+  LocalizedDrive(localization::MapIndex& map, const std::optional<Pose>& initial_pose)
+      : localizer_(map) {
+    if (initial_pose) localizer_.set_initial_pose(*initial_pose);
+  }
+
+  void add(pipeline::OdometryScan&& scan) {
+    const ThreadTime time;
+    const localization::LocalizerInput input = input_of(std::move(scan));
+    path_ += input.T_previous_base.translation.norm();
+    LocalizedScan localized{localizer_.process(input), path_, 0.0};
+    localized.seconds = time.seconds();
+    scans_.push_back(std::move(localized));
+  }
+
+  const std::vector<LocalizedScan>& scans() const { return scans_; }
+
+ private:
+  struct Odometry {
+    Pose T_odom_base;
+    std::uint32_t segment = 0;
+  };
+
+  localization::LocalizerInput input_of(pipeline::OdometryScan&& scan) {
+    const Odometry now{scan.result.T_odom_base, scan.result.segment};
+    localization::LocalizerInput input;
+    input.scan = std::move(scan.scan);
+    input.covariance = scan.result.covariance;
+    input.p_base_lidar = scan.p_base_lidar;
+    input.is_connected = previous_ && previous_->segment == now.segment;
+    if (input.is_connected) {
+      input.T_previous_base = previous_->T_odom_base.inverse() * now.T_odom_base;
+    }
+    previous_ = now;
+    return input;
+  }
+
+  localization::Localizer localizer_;
+  std::optional<Odometry> previous_;
+  std::vector<LocalizedScan> scans_;
+  double path_ = 0.0;
+};
+
+void print(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) std::printf("%s\n", message.c_str());
+  std::fflush(stdout);
+}
+
+class LocalizingRun {
+ public:
+  LocalizingRun(const LocalizingOptions& options, const volatile std::sig_atomic_t& stop_requested)
+      : options_(options), stop_requested_(stop_requested), stages_(read_stages(options_)) {
+    check_new_folder(options.output);
+  }
+
+  int run() {
+    recordings::OpenDrive drive =
+        recordings::open_drive(options_.drive, stages_.pipeline.preprocessing);
+    print(drive.lines);
+    const RecordingPart part(*drive.input, options_.start, options_.duration);
+    pipeline::SessionMap map(options_.map, stages_.pipeline.loop_closing, stages_.pipeline.threads);
+    print_map(map);
+    LocalizedDrive localized(map.index(), initial_pose_of(options_));
+    read(*drive.input, part, localized);
+    if (localized.scans().empty()) {
+      throw InputError("no scan could be used; the lines above say why");
+    }
+    write_localization(options_.output, localized.scans(), map.datum());
+    return conclude(localized.scans());
+  }
+
+ private:
+  static void print_map(pipeline::SessionMap& map) {
+    std::printf("map: %zu places, %zu Gaussians, %.0f MB\n", map.index().places().size(),
+                map.index().gaussians(), static_cast<double>(map.index().bytes()) * 1e-6);
+    std::fflush(stdout);
+  }
+
+  void read(pipeline::InputSource& input, const RecordingPart& part, LocalizedDrive& localized) {
+    pipeline::RecordedOdometry odometry(
+        stages_.pipeline, [&input](const std::string& frame) { return input.T_base(frame); },
+        [&localized](pipeline::OdometryScan&& scan) { localized.add(std::move(scan)); });
+    if (part.begin() > input.begin()) input.skip_to(part.begin());
+    EndOfPart end(part.limit());
+    while (stop_requested_ == 0 && !end.is_over()) {
+      auto datum = input.next();
+      if (!datum) break;
+      if (end.is_behind(*datum)) continue;
+      odometry.add(std::move(*datum));
+      print(input.take_messages());
+      print(odometry.take_messages());
+    }
+    odometry.finish();
+    print(odometry.take_messages());
+  }
+
+  int conclude(const std::vector<LocalizedScan>& scans) const {
+    const json::Json figures = localization_figures(scans);
+    if (stop_requested_ != 0) std::printf("stopped early: what follows is the drive so far\n");
+    std::printf("%s", localization_text(figures).c_str());
+    std::printf("%s\n%s\n", (options_.output + "/trajectory/localized.tum").c_str(),
+                (options_.output + "/localization.csv").c_str());
+    if (!options_.figures.empty()) {
+      write_text_atomically(options_.figures, json::dumped(figures, 2) + "\n");
+    }
+    if (figures["found_after"].is_null()) return report_never_found(scans.back());
+    return stop_requested_ != 0 ? kStoppedEarly : 0;
+  }
+
+  int report_never_found(const LocalizedScan& last) const {
+    std::fprintf(stderr,
+                 "localize_bag: the drive was never found in the map %s (%s); give --initial-pose "
+                 "if you know where it begins\n",
+                 options_.map.c_str(), last.result.reason.c_str());
+    return kNeverFound;
+  }
+
+  LocalizingOptions options_;
+  const volatile std::sig_atomic_t& stop_requested_;
+  StageFiles stages_;
+};
+
+}  // namespace
+
+int localize_recording(const LocalizingOptions& options,
+                       const volatile std::sig_atomic_t& stop_requested) {
+  return LocalizingRun(options, stop_requested).run();
+}
+
+}  // namespace lidar_mapping::tools

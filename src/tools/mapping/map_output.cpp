@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/map_output.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include "lidar_mapping/common/dates.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/map/key_frame_track.hpp"
+#include "lidar_mapping/pipeline/session_marks.hpp"
+#include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+/// s; poses further apart are not interpolated. Chosen: a vehicle changes its way within a second.
+constexpr double kLongestGap = 0.5;
+
+using map::MapConfig;
+using session::Session;
+
+/// Bytes. Clouds are read in the order of the drive, first as observers and thirty key frames later
+/// to be judged and put into the map. Chosen: so much is between the two with 50,000 points each.
+constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
+
+/// `stored`, and over it the command line.
+MapConfig make_config(const MapOutput& output, const config::Source& stored) {
+  std::vector<config::Source> sources = {stored};
+  if (output.resolution) {
+    sources.push_back({"--resolution", {config::Value::Map{{"resolution", {*output.resolution}}}}});
+  }
+  if (output.tile_size) {
+    sources.push_back({"--tile-size", {config::Value::Map{{"tile_size", {*output.tile_size}}}}});
+  }
+  if (output.grid_cell) {
+    sources.push_back({"--cell", {config::Value::Map{{"grid_cell", {*output.grid_cell}}}}});
+  }
+  MapConfig config = config::load<MapConfig>(sources);
+  config.threads = output.threads;
+  return config;
+}
+
+/// From the command line, or else from the session.
+std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const Session& session) {
+  if (output.sensor_origin.size() == 3) return Eigen::Vector3d(output.sensor_origin.data());
+  const auto origin = session.sensor_origin();
+  if (!origin) {
+    std::cerr << "the session does not know where the LiDAR is in base_link, so points of moving "
+                 "objects stay and the grid is unknown where no point lies; give --sensor-origin "
+                 "x y z\n";
+  }
+  return origin;
+}
+
+/// The poses that the trajectory of the command line has of the key frames.
+KeyFramePoses given_poses(const Session& session, const MapOutput& output) {
+  const Trajectory trajectory = read_trajectory(output.poses);
+  if (!trajectory.has_stamps) {
+    throw InputError(output.poses + " has no stamps; give a TUM file");
+  }
+  KeyFramePoses placed;
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    const auto pose = pose_at(key_frame.stamp, trajectory, kLongestGap);
+    if (pose) placed.poses.push_back({key_frame.index, key_frame.stamp, *pose});
+  }
+  if (placed.poses.empty()) {
+    throw InputError(output.poses +
+                     " has no pose at the time of any key frame; is it of this drive?");
+  }
+  return placed;
+}
+
+/// The poses up to an instant.
+KeyFramePoses until(Stamp last, KeyFramePoses poses) {
+  auto& list = poses.poses;
+  if (list.empty()) return poses;
+  const auto by_stamp = [](const KeyFramePose& a, const KeyFramePose& b) {
+    return a.stamp < b.stamp;
+  };
+  const Stamp first = std::min_element(list.begin(), list.end(), by_stamp)->stamp;
+  if (first > last) {
+    throw InputError("no key frame is as old as the date of --as-of; the first one is of " +
+                     iso_date(first));
+  }
+  list.erase(std::remove_if(list.begin(), list.end(),
+                            [&](const KeyFramePose& pose) { return pose.stamp > last; }),
+             list.end());
+  return poses;
+}
+
+}  // namespace
+
+void check_numbers(const MapOutput& output) {
+  const MapConfig config = make_config(output, {});
+  const auto& formats = output.products.formats;
+  map::check_formats(formats);
+  if (std::find(formats.begin(), formats.end(), "grid") != formats.end()) map::grid_cell(config);
+}
+
+KeyFramePoses key_frame_poses(const Session& session) {
+  map::KeyFrameTrack track;
+  for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
+  track.update(session.poses());
+  return track.poses();
+}
+
+KeyFramePoses key_frame_poses(const Session& session, const MapOutput& output) {
+  KeyFramePoses poses =
+      output.poses.empty() ? key_frame_poses(session) : given_poses(session, output);
+  return output.as_of.empty() ? poses : until(end_of_date(output.as_of), std::move(poses));
+}
+
+std::filesystem::path map_folder(const Session& session, const MapOutput& output) {
+  return output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
+}
+
+map::Files write_map(const Session& session, const MapOutput& output) {
+  session.clouds().set_cache_bytes(kCacheBytes);
+  return write_map(session, output, key_frame_poses(session, output), session.clouds(),
+                   "key frames");
+}
+
+map::Files write_map(const Session& session, const MapOutput& output, const KeyFramePoses& poses,
+                     CloudSource& clouds, const std::string& name) {
+  const MapConfig config = make_config(output, pipeline::stored_configuration<MapConfig>(session));
+  map::ProductOptions options = output.products;
+  options.datum = session.datum();
+  options.p_base_sensor = sensor_origin_of(output, session);
+  options.keep_moving = output.keep_moving;
+  options.marks = [&] {
+    return pipeline::session_marks(session, key_frame_poses(session, output));
+  };
+  const map::Products products =
+      map::write_products(poses, clouds, config, options, map_folder(session, output));
+  std::printf("%zu points of %zu %s\n", products.points, poses.poses.size(), name.c_str());
+  if (products.visits > 1) {
+    std::printf("%zu visits; %zu points of what was not there any more are left out\n",
+                products.visits, products.outdated);
+  }
+  if (options.save_removed) std::printf("%zu points of moving objects\n", products.removed);
+  return products.files;
+}
+
+}  // namespace lidar_mapping::tools

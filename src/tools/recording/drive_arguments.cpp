@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recording/drive_arguments.hpp"
+
+#include <algorithm>
+#include <string>
+#include <thread>
+
+#include "command_line/number_checks.hpp"
+#include "parameters/config_path.hpp"
+
+namespace lidar_mapping::tools {
+
+void add_drive_options(CLI::App& app, DriveArguments& arguments) {
+  app.add_option("--config", arguments.parameters.config,
+                 std::string(kConfigHelp) + "; defaults if left out");
+  app.add_option("--sensor", arguments.parameters.overlay,
+                 "overlay of parameters: a name in config/sensors, or the path of a file");
+  app.add_option("--preset", arguments.parameters.preset,
+                 "overlay for the kind of place: a name in config/presets, or the path of a file");
+  app.add_option("--parameter", arguments.parameters.parameters,
+                 "a single one, as 'stage/name: value' (repeatable)")
+      ->allow_extra_args(false);
+  app.add_option("--points", arguments.drive.topics.points, "topic (found by type if left out)");
+  app.add_option("--imu", arguments.drive.topics.imu, "topic");
+  app.add_option("--velocity", arguments.drive.topics.velocity, "topic");
+  app.add_option("--gnss", arguments.drive.topics.gnss, "topic");
+  app.add_option("--sensor-height", arguments.drive.sensor_height,
+                 "of folders: the LiDAR over base_link, m")
+      ->capture_default_str();
+  app.add_option("--start", arguments.start, "leave out so many seconds of the beginning")
+      ->check(not_negative());
+  app.add_option("--duration", arguments.duration, "end so many seconds after the start")
+      ->check(above_zero());
+  app.add_option("--threads", arguments.threads, "at most so many threads; 0: all cores")
+      ->check(not_negative());
+}
+
+StageFiles read_stages(DriveArguments& arguments) {
+  StageFiles stages = read_stage_files(arguments.parameters);
+  stages.pipeline.threads =
+      arguments.threads > 0 ? arguments.threads
+                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  arguments.drive.base_frame = stages.base_frame;
+  return stages;
+}
+
+}  // namespace lidar_mapping::tools

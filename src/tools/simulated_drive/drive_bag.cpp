@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/simulation/sensor_noise.hpp"
+
+#include "simulated_drive/drive_output.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+using namespace simulation;
+
+constexpr char kCloudTopic[] = "/kitti/velo/pointcloud";
+constexpr char kImuTopic[] = "/kitti/oxts/imu";
+constexpr char kFixTopic[] = "/kitti/oxts/gps/fix";
+constexpr char kVelocityTopic[] = "/kitti/oxts/gps/vel";
+constexpr char kLidarFrame[] = "velo_link";
+constexpr char kImuFrame[] = "imu_link";
+constexpr char kAntennaFrame[] = "gnss_link";
+constexpr Stamp kGnssDelay = 50'000'000;
+const Eigen::Vector3d kAntennaError(1.2, -0.9, 0.0);  // m
+
+/// Steps to which coordinates (m, a fifth of the range noise) and intensities in the bag are
+/// rounded, so that their floats have zeros that lz4 can compress.
+constexpr float kPointStep = 1.0F / 256.0F;
+constexpr float kIntensityStep = 4.0F;
+
+template <typename Array>
+void fill_diagonal(Array& covariance, double sigma) {
+  for (int i = 0; i < 9; i += 4) covariance[i] = sigma * sigma;
+}
+
+sensor_msgs::Imu imu_message(const ImuSample& sample) {
+  sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
+  if (sample.orientation) fill_diagonal(message.orientation_covariance, kOrientationNoise);
+  fill_diagonal(message.angular_velocity_covariance, kGyroNoise);
+  fill_diagonal(message.linear_acceleration_covariance, kAccelerometerNoise);
+  return message;
+}
+
+float rounded(float value, float step) { return std::round(value / step) * step; }
+
+sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagContent& content) {
+  PointCloud cloud = scan.cloud;
+  if (content.has(BagFault::kDeskewedTwice)) {
+    preprocessing::set_times_from_azimuth(cloud, preprocessing::PreprocessingConfig());
+  }
+  if (content.has(BagFault::kNoPointTimes)) cloud.times.clear();
+  for (Point& point : cloud.points) {
+    point = {rounded(point.x, kPointStep), rounded(point.y, kPointStep),
+             rounded(point.z, kPointStep), rounded(point.intensity, kIntensityStep)};
+  }
+  const std::string slash = content.has(BagFault::kLeadingSlash) ? "/" : "";
+  const Stamp late = content.has(BagFault::kStampInTheMiddle) ? (scan.end - scan.stamp) / 2 : 0;
+  const Stamp stamp = content.has(BagFault::kNoStamps) ? 0 : scan.stamp + late;
+  return ros_border::to_message(cloud, stamp, slash + kLidarFrame);
+}
+
+ImuSample with_fault(ImuSample sample, const BagContent& content) {
+  if (content.has(BagFault::kImuInG)) sample.linear_acceleration /= kStandardGravity;
+  if (content.has(BagFault::kGyroInDegrees)) sample.angular_velocity *= kDegPerRad;
+  return sample;
+}
+
+VelocitySample with_fault(VelocitySample sample, const BagContent& content) {
+  if (content.has(BagFault::kVelocityInKmh)) sample.linear *= 3.6;
+  return sample;
+}
+
+GnssFix with_fault(GnssFix fix, const BagContent& content) {
+  if (content.has(BagFault::kGnssLate)) fix.stamp += kGnssDelay;
+  if (content.has(BagFault::kGnssTooConfident) && fix.covariance) *fix.covariance *= 0.01;
+  return fix;
+}
+
+nav_msgs::Odometry truth_message(const Drive& drive, Stamp stamp) {
+  const MotionState state = drive.trajectory().state(stamp);
+  nav_msgs::Odometry message;
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.header.frame_id = "map";
+  message.child_frame_id = "base_link";
+  message.pose.pose = ros_border::to_message(state.T_map_base);
+  Vector6d twist;
+  twist << state.T_map_base.rotation.conjugate() * state.velocity_map, state.angular_velocity_base;
+  message.twist.twist = ros_border::to_twist(twist);
+  return message;
+}
+
+geometry_msgs::TransformStamped transform_message(const Pose& T_base_frame, const char* frame,
+                                                  Stamp stamp) {
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.header.frame_id = "base_link";
+  message.child_frame_id = frame;
+  message.transform = ros_border::to_transform(T_base_frame);
+  return message;
+}
+
+tf2_msgs::TFMessage extrinsics(const Drive& drive, const BagContent& content) {
+  SensorMounting mounting = drive.mounting();
+  if (content.has(BagFault::kAntennaElsewhere)) mounting.p_base_antenna += kAntennaError;
+  const Stamp stamp = drive.trajectory().begin();
+  const Pose T_base_antenna{Eigen::Quaterniond::Identity(), mounting.p_base_antenna};
+  tf2_msgs::TFMessage message;
+  message.transforms = {transform_message(mounting.T_base_lidar, kLidarFrame, stamp),
+                        transform_message(mounting.T_base_imu, kImuFrame, stamp),
+                        transform_message(T_base_antenna, kAntennaFrame, stamp)};
+  if (content.has(BagFault::kNoImuTransform)) {
+    message.transforms.erase(message.transforms.begin() + 1);
+  }
+  return message;
+}
+
+/// Writes messages in the order of their delivery; small ones are kept until the scans before them
+/// are written.
+class BagWriter {
+ public:
+  explicit BagWriter(const std::string& path) : bag_(path, rosbag::bagmode::Write) {
+    bag_.setCompression(rosbag::compression::LZ4);
+  }
+
+  /// Queues `message`; it is written after all messages that are delivered before `delivery`.
+  template <typename Message>
+  void add(const char* topic, Stamp delivery, Message message) {
+    message.header.seq = sequence_[topic]++;
+    waiting_.emplace(delivery, [this, topic, delivery, message = std::move(message)] {
+      bag_.write(topic, ros_border::to_ros(delivery), message);
+    });
+  }
+  void write_latched(const char* topic, Stamp delivery, const tf2_msgs::TFMessage& message) {
+    using Traits = ros::message_traits::DataType<tf2_msgs::TFMessage>;
+    const auto header = boost::make_shared<ros::M_string>();
+    *header = {
+        {"latching", "1"},
+        {"type", Traits::value()},
+        {"md5sum", ros::message_traits::MD5Sum<tf2_msgs::TFMessage>::value()},
+        {"message_definition", ros::message_traits::Definition<tf2_msgs::TFMessage>::value()}};
+    bag_.write(topic, ros_border::to_ros(delivery), message, header);
+  }
+  void write_until(Stamp delivery) {
+    const auto end = waiting_.upper_bound(delivery);
+    for (auto it = waiting_.begin(); it != end; ++it) it->second();
+    waiting_.erase(waiting_.begin(), end);
+  }
+  void close() {
+    for (const auto& [delivery, write] : waiting_) write();
+    bag_.close();
+  }
+
+ private:
+  rosbag::Bag bag_;
+  std::multimap<Stamp, std::function<void()>> waiting_;  ///< equal times keep their order
+  std::map<std::string, std::uint32_t> sequence_;
+};
+
+void add_samples(BagWriter& writer, const Drive& drive, const BagContent& content) {
+  if (content.imu) {
+    for (const ImuSample& s : drive.imu()) {
+      writer.add(kImuTopic, s.stamp, imu_message(with_fault(s, content)));
+    }
+  }
+  if (content.velocity) {
+    for (const VelocitySample& s : drive.velocity()) {
+      writer.add(kVelocityTopic, s.stamp,
+                 ros_border::to_message(with_fault(s, content), kImuFrame));
+    }
+  }
+  if (content.gnss) {
+    for (const GnssFix& fix : drive.gnss()) {
+      writer.add(kFixTopic, fix.stamp,
+                 ros_border::to_message(with_fault(fix, content), kAntennaFrame));
+    }
+  }
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    const Stamp stamp = drive.scan_stamp(i);
+    writer.add("/ground_truth", stamp, truth_message(drive, stamp));
+  }
+}
+
+void fill_bag(const Drive& drive, const std::string& path, const BagContent& content, int threads) {
+  BagWriter writer(path);
+  if (!content.has(BagFault::kNoTransforms)) {
+    writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive, content));
+  }
+  add_samples(writer, drive, content);
+  if (content.lidar) {
+    for_each_scan(drive, threads, [&](std::size_t, const SimulatedScan& scan) {
+      writer.add(kCloudTopic, scan.end, cloud_message(scan, content));
+      writer.write_until(scan.end);
+    });
+  }
+  writer.close();
+}
+
+}  // namespace
+
+const std::map<std::string, BagFault>& bag_faults() {
+  static const std::map<std::string, BagFault> faults = {
+      {"imu_in_g", BagFault::kImuInG},
+      {"gyro_in_degrees", BagFault::kGyroInDegrees},
+      {"velocity_in_kmh", BagFault::kVelocityInKmh},
+      {"no_point_times", BagFault::kNoPointTimes},
+      {"deskewed_twice", BagFault::kDeskewedTwice},
+      {"no_imu_transform", BagFault::kNoImuTransform},
+      {"no_transforms", BagFault::kNoTransforms},
+      {"no_stamps", BagFault::kNoStamps},
+      {"stamp_in_the_middle", BagFault::kStampInTheMiddle},
+      {"leading_slash", BagFault::kLeadingSlash},
+      {"antenna_elsewhere", BagFault::kAntennaElsewhere},
+      {"gnss_late", BagFault::kGnssLate},
+      {"gnss_too_confident", BagFault::kGnssTooConfident}};
+  return faults;
+}
+
+void write_bag(const Drive& drive, const std::string& path, const BagContent& content,
+               int threads) {
+  const std::string unfinished = path + ".active";
+  try {
+    fill_bag(drive, unfinished, content, threads);
+    std::filesystem::rename(unfinished, path);
+  } catch (const rosbag::BagException& error) {
+    throw FileError("cannot write " + unfinished + ": " + error.what());
+  }
+}
+
+}  // namespace lidar_mapping::tools
