@@ -219,7 +219,8 @@ class Block:
     def _is_up(self, text, process):
         """Whether the service of the command is available in the end."""
         if text.startswith('roslaunch'):
-            asked, wanted = ['rosservice', 'list'], {'/optimize_map', '/save_map'}
+            asked = ['rosservice', 'list']
+            wanted = {'/relocalize', '/load_map'} if 'localization.launch' in text else {'/optimize_map', '/save_map'}
             if 'DISPLAY' in self.environment and 'rviz:=false' not in text:
                 # rviz 1.14 may end by a signal if it is interrupted before it has begun; then it offers this.
                 wanted.add('/rviz/reload_shaders')

@@ -65,8 +65,9 @@ void Hypotheses::verify(const PoseEstimate& verified) {
 
 void Hypotheses::keep_near(const Pose& T_map_base, double distance) {
   const auto is_far = [&](const Hypothesis& hypothesis) {
-    return (hypothesis.estimate().T_map_base.translation - T_map_base.translation).norm() >
-           distance;
+    const Eigen::Vector3d between =
+        hypothesis.estimate().T_map_base.translation - T_map_base.translation;
+    return between.head<2>().norm() > distance;
   };
   all_.erase(std::remove_if(all_.begin(), all_.end(), is_far), all_.end());
 }

@@ -22,7 +22,7 @@ class Hypotheses {
   void update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double way);
   /// A verification led to this pose: a new hypothesis, or one more sign for one that is there.
   void verify(const PoseEstimate& verified);
-  /// Keeps those within `distance` (m) of a pose only; none if none is.
+  /// Keeps those within `distance` (m) of a pose, seen from above; none if none is.
   void keep_near(const Pose& T_map_base, double distance);
   const std::vector<Hypothesis>& all() const { return all_; }
 

@@ -67,6 +67,13 @@ class Localizer::Impl {
     claim_ = T_map_base;
   }
 
+  void restart() {
+    found_.reset();
+    finder_.restart();
+    claim_.reset();
+    lost_because_.reset();
+  }
+
   LocalizationResult process(const LocalizerInput& input) {
     check(input.scan.stamp);
     const double way = move(input);
@@ -170,6 +177,7 @@ Localizer::Localizer(MapIndex& map) : impl_(std::make_unique<Impl>(map)) {}
 Localizer::~Localizer() = default;
 
 void Localizer::set_initial_pose(const Pose& T_map_base) { impl_->set_initial_pose(T_map_base); }
+void Localizer::restart() { impl_->restart(); }
 LocalizationResult Localizer::process(const LocalizerInput& input) { return impl_->process(input); }
 
 }  // namespace lidar_mapping::localization

@@ -19,7 +19,8 @@ constexpr int kSearchScans = 5;
 /// that look alike have less than a half, and one search may lead to a wrong one.
 constexpr double kCertain = 0.99;
 constexpr int kLeastVerifications = 2;
-/// m around a claimed pose within which it is believed. Chosen: rviz is clicked better than that.
+/// m around a claimed pose, seen from above, within which it is believed. Chosen: rviz is clicked
+/// better than that, and gives no height.
 constexpr double kClaimRadius = 20.0;
 /// Searches without a place near the claim, after which it is not believed any more. Chosen.
 constexpr int kClaimSearches = 2;
@@ -125,8 +126,9 @@ std::optional<Hypothesis> PlaceFinder::certain() const {
 
 bool PlaceFinder::claim_contradicts(const Hypothesis& place) const {
   if (!claim_) return false;
-  return (place.estimate().T_map_base.translation - claim_->T_map_base.translation).norm() >
-         kClaimRadius;
+  const Eigen::Vector3d between =
+      place.estimate().T_map_base.translation - claim_->T_map_base.translation;
+  return between.head<2>().norm() > kClaimRadius;
 }
 
 std::string PlaceFinder::reason() const {

@@ -94,15 +94,36 @@ std::vector<Pose> PlaceSearch::candidates(const loop_closing::Points& points) co
 
 std::vector<Pose> PlaceSearch::candidates_near(const Pose& claimed,
                                                const loop_closing::Points& points) const {
-  std::vector<Pose> poses{claimed};
+  std::vector<Pose> poses;
+  add_candidates_at(claimed, points, poses);
+  const Pose lifted = at_height_of_map(claimed);
+  if (!is_same_place(claimed, lifted)) add_candidates_at(lifted, points, poses);
+  return poses;
+}
+
+void PlaceSearch::add_candidates_at(const Pose& claimed, const loop_closing::Points& points,
+                                    std::vector<Pose>& poses) const {
+  poses.push_back(claimed);
   const std::size_t place = nearest_place(claimed);
   const auto older = appearances_[place];
-  if (!older) return poses;
+  if (!older) return;
   const double heading = yaw_of(places_[place].rotation.conjugate() * claimed.rotation);
   const ViewMatch match =
       ViewCorrelator(older->view).match(loop_closing::appearance_of(points).view.cells(), heading);
   poses.push_back(places_[place] * planar_pose(match.translation, heading));
-  return poses;
+}
+
+/// The pose at the height of the place that is nearest as seen from above.
+Pose PlaceSearch::at_height_of_map(const Pose& T_map_base) const {
+  const auto distance = [&](const Pose& place) {
+    return (place.translation - T_map_base.translation).head<2>().squaredNorm();
+  };
+  const auto nearest =
+      std::min_element(places_.begin(), places_.end(),
+                       [&](const Pose& a, const Pose& b) { return distance(a) < distance(b); });
+  Pose lifted = T_map_base;
+  lifted.translation.z() = nearest->translation.z();
+  return lifted;
 }
 
 std::size_t PlaceSearch::nearest_place(const Pose& T_map_base) const {

@@ -29,7 +29,8 @@ class PlaceSearch {
 
   /// Poses T_map_base of a scan that looks like these points, best first, none twice.
   std::vector<Pose> candidates(const loop_closing::Points& points) const;
-  /// Poses near one that a person claims: it, and where the views from above agree with its
+  /// Poses near one that a person claims: it, the same at the height of the nearest place, because
+  /// who clicks on a map from above gives none, and where the views from above agree with its
   /// heading.
   std::vector<Pose> candidates_near(const Pose& claimed, const loop_closing::Points& points) const;
 
@@ -44,6 +45,9 @@ class PlaceSearch {
     double score = 0.0;
   };
   std::size_t nearest_place(const Pose& T_map_base) const;
+  Pose at_height_of_map(const Pose& T_map_base) const;
+  void add_candidates_at(const Pose& claimed, const loop_closing::Points& points,
+                         std::vector<Pose>& poses) const;
   Start start_at(std::size_t place, const loop_closing::Appearance& appearance,
                  const std::vector<Eigen::Vector2f>& cells) const;
 

@@ -181,6 +181,18 @@ TEST_F(Twins, AreToldApartByAnInitialPose) {
   }
 }
 
+// rviz gives the height 0, wherever the ground is.
+TEST_F(Twins, AreToldApartByAnInitialPoseOfAnotherHeight) {
+  Vehicle vehicle(world(), map());
+  Pose claimed = planar(402.0, -93.0, 1.5);
+  claimed.translation.z() = 30.0;
+  vehicle.localizer().set_initial_pose(claimed);
+  const auto path = line({400.0, -95.0}, {400.0, -50.0});
+  const auto results = vehicle.drive(path);
+  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
+  expect_right(results, path);
+}
+
 TEST(Localizer, IsNotMisledByAWrongInitialPose) {
   Vehicle vehicle(town(), town_map());
   vehicle.localizer().set_initial_pose(planar(48.0, 60.0, 1.57));
@@ -223,6 +235,18 @@ TEST(Localizer, SearchesAgainAfterAnInterruptionOfOdometry) {
   const auto results = vehicle.drive(path);
   EXPECT_EQ(results.front().state, LocalizationState::kLost);
   EXPECT_NE(results.front().reason.find("odometry was interrupted"), std::string::npos);
+  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
+  expect_right(results, path);
+}
+
+TEST(Localizer, SearchesAgainWhenAPersonWantsIt) {
+  Vehicle vehicle(town(), town_map());
+  ASSERT_TRUE(has_pose(vehicle.drive(line({-80.0, 0.0}, {-40.0, 0.0})).back().state));
+  vehicle.localizer().restart();
+  const auto path = line({-38.0, 0.0}, {0.0, 0.0});
+  const auto results = vehicle.drive(path);
+  EXPECT_EQ(results.front().state, LocalizationState::kSearching);
+  EXPECT_FALSE(has_pose(results.front().state));
   ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
   expect_right(results, path);
 }

@@ -109,7 +109,7 @@ TEST_P(EveryNode, ReportsWhereItRunsAndEachFigureOnce) {
 INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode,
                          testing::Values("preprocessing_node", "floor_detection_node",
                                          "front_end_node", "loop_closing_node", "back_end_node",
-                                         "map_viewer_node"));
+                                         "map_viewer_node", "localization_node"));
 
 TEST(Launch, AWrongParameterIsSaidOnceByEachNodeAndNoneIsStartedAgain) {
   NodeProcess launch("/usr/bin/env", {"roslaunch", "lidar_mapping", "mapping.launch", "rviz:=false",
@@ -131,7 +131,7 @@ TEST(Launch, AWrongParameterIsSaidOnceByEachNodeAndNoneIsStartedAgain) {
 }
 
 TEST(Launch, ListsEveryArgumentAsOptionalAndWithItsMeaning) {
-  for (const char* file : {"mapping.launch", "demo.launch"}) {
+  for (const char* file : {"mapping.launch", "localization.launch", "demo.launch"}) {
     NodeProcess launch("/usr/bin/env", {"roslaunch", "--ros-args", "lidar_mapping", file});
     EXPECT_EQ(launch.wait(), 0) << launch.output();
     EXPECT_NE(launch.output().find("Optional Arguments"), std::string::npos) << launch.output();

@@ -63,6 +63,9 @@ class Localizer {
   /// A pose of the next scan as a person claims it, right to some metres. It is examined as any
   /// other candidate, so a wrong one does no harm.
   void set_initial_pose(const Pose& T_map_base);
+  /// Gives the place up and searches in the whole map, for instance because a person sees that it
+  /// is wrong.
+  void restart();
   /// Throws InputError if the stamp does not increase.
   LocalizationResult process(const LocalizerInput& input);
 

@@ -15,6 +15,7 @@
 #define FrontEndStatus FrontEndStatusMessage
 #define KeyFrame KeyFrameMessage
 #define KeyFramePoses KeyFramePosesMessage
+#define LocalizationStatus LocalizationStatusMessage
 #define Loop LoopMessage
 #define LoopVerdict LoopVerdictMessage
 #define SyncedInputs SyncedInputsMessage
@@ -25,15 +26,19 @@
 #include <lidar_mapping/KeyFrame.h>
 #include <lidar_mapping/KeyFramePoses.h>
 #include <lidar_mapping/LoadGraph.h>
+#include <lidar_mapping/LoadMap.h>
+#include <lidar_mapping/LocalizationStatus.h>
 #include <lidar_mapping/Loop.h>
 #include <lidar_mapping/LoopVerdict.h>
 #include <lidar_mapping/OptimizeMap.h>
+#include <lidar_mapping/Relocalize.h>
 #include <lidar_mapping/SaveMap.h>
 #include <lidar_mapping/SyncedInputs.h>
 #undef Floor
 #undef FrontEndStatus
 #undef KeyFrame
 #undef KeyFramePoses
+#undef LocalizationStatus
 #undef Loop
 #undef LoopVerdict
 #undef SyncedInputs

@@ -43,14 +43,17 @@ double mean_agreement(const std::vector<LocalizedScan>& scans) {
   return followed == 0 ? 0.0 : sum / static_cast<double>(followed);
 }
 
-/// Of scans with a pose, or of those without.
-Json times_of(const std::vector<LocalizedScan>& scans, bool with_pose) {
+/// Of scans whose place was known before they came, or of those for which it was searched.
+Json times_of(const std::vector<LocalizedScan>& scans, bool place_was_known) {
   std::vector<double> milliseconds;
   double sum = 0.0;
+  bool is_known = false;
   for (const LocalizedScan& scan : scans) {
-    if (localization::has_pose(scan.result.state) != with_pose) continue;
-    milliseconds.push_back(kMilliseconds * scan.seconds);
-    sum += milliseconds.back();
+    if (is_known == place_was_known) {
+      milliseconds.push_back(kMilliseconds * scan.seconds);
+      sum += milliseconds.back();
+    }
+    is_known = localization::has_pose(scan.result.state);
   }
   if (milliseconds.empty()) return nullptr;
   return {{"mean", sum / static_cast<double>(milliseconds.size())},
@@ -76,7 +79,7 @@ Json localization_figures(const std::vector<LocalizedScan>& scans) {
     figures["states"][to_string(state)] = count_of(scans, state);
   }
   figures["mean_agreement"] = mean_agreement(scans);
-  figures["milliseconds"] = {{"with a pose", times_of(scans, true)},
+  figures["milliseconds"] = {{"following", times_of(scans, true)},
                              {"searching", times_of(scans, false)}};
   return figures;
 }
@@ -99,7 +102,7 @@ std::string localization_text(const Json& figures) {
       percent("lost"), percent("searching"), figures["mean_agreement"].get<double>());
   const Json& times = figures["milliseconds"];
   const std::string per_scan =
-      time_text("with a pose", times["with a pose"]) + time_text("searching", times["searching"]);
+      time_text("following", times["following"]) + time_text("searching", times["searching"]);
   if (!per_scan.empty()) text += "processor time per scan:" + per_scan + "\n";
   return text;
 }

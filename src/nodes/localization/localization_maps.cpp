@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <future>
+
+#include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+
+#include "localization_node.hpp"
+
+// Maps: reading them, and the services relocalize and load_map.
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Edge of the voxels of the map on display, m. Chosen: a town of 1 km then has some 10 MB.
+constexpr double kDisplayResolution = 0.5;
+
+std::string summary_of(pipeline::SessionMap& map) {
+  return formatted("the map %s: %zu places, %zu Gaussians", map.directory().c_str(),
+                   map.index().places().size(), map.index().gaussians());
+}
+
+}  // namespace
+
+/// Services wait for a map or for the worker, so they run in a thread of their own.
+void LocalizationNode::advertise_services() {
+  ros::NodeHandle node(context_.node);
+  node.setCallbackQueue(&service_queue_);
+  services_ = {node.advertiseService("relocalize", &LocalizationNode::relocalize, this),
+               node.advertiseService("load_map", &LocalizationNode::load_map, this)};
+  service_spinner_.start();
+}
+
+/// A map that cannot be read leaves the node waiting for load_map.
+void LocalizationNode::load_first(const std::string& folder) {
+  try {
+    load(folder);
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM(error.what());
+    context_.worker.post(requests_, [this, reason = std::string(error.what())] {
+      loading_ = reason;
+      context_.diagnostics.set_state(Diagnostics::Level::kError, reason);
+    });
+  }
+}
+
+/// Reads a map in the loader's thread, and gives it to the worker. The map before stays in use
+/// until then, also if this one cannot be read. Throws Error.
+std::string LocalizationNode::load(const std::string& folder) {
+  auto place = std::make_shared<Place>(expanded_path(folder), config_.stage);
+  const auto cloud = std::make_shared<PointCloud>(place->map.cloud(kDisplayResolution));
+  const std::string summary = summary_of(place->map);
+  context_.worker.post(requests_, [this, place, cloud] { use(place, *cloud); });
+  ROS_INFO_STREAM(summary);
+  return summary;
+}
+
+void LocalizationNode::use(std::shared_ptr<Place> place, const PointCloud& cloud) {
+  place_ = std::move(place);
+  path_.poses.clear();
+  map_cloud_.publish(to_message(cloud, 0, config_.node.map_frame));
+  context_.diagnostics.set("map", place_->map.directory().string());
+  context_.diagnostics.set_state(Diagnostics::Level::kWarning, "waiting for scans");
+}
+
+bool LocalizationNode::relocalize(Relocalize::Request&, Relocalize::Response& response) {
+  auto answer = std::make_shared<std::promise<Relocalize::Response>>();
+  std::future<Relocalize::Response> future = answer->get_future();
+  context_.worker.post(requests_, [this, answer] {
+    Relocalize::Response given;
+    given.success = place_ != nullptr;
+    given.message = place_ ? "the place is searched for in the whole map" : loading_;
+    if (place_) place_->localizer.restart();
+    answer->set_value(given);
+  });
+  answer.reset();
+  try {
+    response = future.get();
+  } catch (const std::future_error&) {
+    response.message = "the node is ending";
+  }
+  return true;
+}
+
+bool LocalizationNode::load_map(LoadMap::Request& request, LoadMap::Response& response) {
+  auto answer = std::make_shared<std::promise<LoadMap::Response>>();
+  std::future<LoadMap::Response> future = answer->get_future();
+  loader_.post(loads_, [this, answer, folder = request.path] {
+    LoadMap::Response given;
+    try {
+      given.message = load(folder);
+      given.success = true;
+    } catch (const std::exception& error) {
+      given.message = error.what();
+    }
+    answer->set_value(given);
+  });
+  answer.reset();
+  try {
+    response = future.get();
+  } catch (const std::future_error&) {
+    response.message = "the node is ending";
+  }
+  return true;
+}
+
+}  // namespace lidar_mapping::ros_border

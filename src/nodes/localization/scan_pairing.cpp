@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "localization/scan_pairing.hpp"
+
+#include <utility>
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Scans and steps that wait for each other. Chosen: two seconds of them; the front end sends both
+/// within milliseconds.
+constexpr std::size_t kMostWaiting = 20;
+
+}  // namespace
+
+void ScanPairing::add(const OdometryStep& step) { steps_[step.stamp] = step; }
+
+void ScanPairing::add(Scan scan) {
+  const Stamp stamp = scan.stamp;
+  scans_[stamp] = std::move(scan);
+}
+
+std::vector<PairedScan> ScanPairing::take_ready() {
+  std::vector<PairedScan> ready;
+  for (auto scan = scans_.begin(); scan != scans_.end();) {
+    if (steps_.count(scan->first) > 0) {
+      ready.push_back(paired(std::move(scan->second)));
+    } else if (scans_.size() <= kMostWaiting &&
+               (steps_.empty() || steps_.rbegin()->first < scan->first)) {
+      ++scan;
+      continue;
+    } else {
+      ++given_up_;
+    }
+    scan = scans_.erase(scan);
+  }
+  return ready;
+}
+
+/// The motion over all steps up to this scan, whose scans may have been lost.
+PairedScan ScanPairing::paired(Scan&& scan) {
+  PairedScan result;
+  result.is_connected = T_odom_last_.has_value();
+  std::optional<Pose> T_odom_before = T_odom_last_;
+  while (!steps_.empty() && steps_.begin()->first <= scan.stamp) {
+    const OdometryStep step = steps_.begin()->second;
+    steps_.erase(steps_.begin());
+    result.T_odom_base = step.T_odom_base;
+    result.is_connected = result.is_connected && step.covariance.has_value();
+    if (T_odom_before && step.covariance) {
+      result.covariance = compose_covariance(
+          result.covariance, T_odom_before->inverse() * step.T_odom_base, *step.covariance);
+    }
+    T_odom_before = step.T_odom_base;
+  }
+  if (result.is_connected) result.T_previous_base = T_odom_last_->inverse() * result.T_odom_base;
+  T_odom_last_ = result.T_odom_base;
+  result.scan = std::move(scan);
+  return result;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "localization_node.hpp"
+
+#include <utility>
+
+#include <nav_msgs/Path.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/thread_time.hpp"
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+#include "display/path_display.hpp"
+
+// Received scans, and what is published about them.
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using localization::LocalizationResult;
+using localization::LocalizationState;
+
+/// m between the poses of the path on display. Chosen: bends stay round.
+constexpr double kPathSpacing = 1.0;
+/// Poses of the path that are kept, so that memory is bounded. Chosen: the last two kilometres.
+constexpr std::size_t kLongestPath = 2000;
+
+std::optional<Pose> initial_pose_of(const LocalizationNodeConfig& config) {
+  if (!config.use_initial_pose) return std::nullopt;
+  const std::vector<double>& p = config.initial_pose;
+  Pose pose;
+  pose.translation = Eigen::Vector3d(p[0], p[1], p[2]);
+  pose.rotation = rotation_from_rpy(p[3] * kRadPerDeg, p[4] * kRadPerDeg, p[5] * kRadPerDeg);
+  return pose;
+}
+
+/// The front end states no covariance of the motion to its first scan, because none led there.
+std::optional<Covariance6> step_covariance(const nav_msgs::Odometry& message, double seconds) {
+  const Covariance6 covariance = from_array(message.twist.covariance);
+  if (!covariance.allFinite() || covariance.isZero()) return std::nullopt;
+  return Covariance6(covariance * seconds * seconds);
+}
+
+Diagnostics::Level level_of(LocalizationState state) {
+  return state == LocalizationState::kFollowing ? Diagnostics::Level::kOk
+                                                : Diagnostics::Level::kWarning;
+}
+
+}  // namespace
+
+LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
+    : config_(config),
+      context_(context),
+      initial_pose_(initial_pose_of(config)),
+      requests_(context.worker.add_channel("requests", kPublisherQueue)),
+      loader_([](const std::string& what, const std::string& problem) {
+        ROS_ERROR_STREAM(what << " failed: " << problem);
+      }),
+      loads_(loader_.add_channel("reading the map", kPublisherQueue)) {
+  if (!config.map.empty()) session::find_session(expanded_path(config.map));  // it has to exist
+  advertise_topics();
+  subscribe_all();
+  advertise_services();
+  if (config.map.empty()) return;
+  loading_ = "reading the map " + config.map;
+  loader_.post(loads_, [this, folder = config.map] { load_first(folder); });
+}
+
+LocalizationNode::~LocalizationNode() {
+  loader_.stop();  // callers that wait for an answer get an error
+  service_spinner_.stop();
+}
+
+void LocalizationNode::advertise_topics() {
+  pose_ = context_.private_node.advertise<geometry_msgs::PoseWithCovarianceStamped>(
+      "pose", kPublisherQueue);
+  odometry_ = context_.node.advertise<nav_msgs::Odometry>("localized_odom", kPublisherQueue);
+  path_topic_ = context_.node.advertise<nav_msgs::Path>("localized_path", 1, true);
+  status_ =
+      context_.node.advertise<LocalizationStatusMessage>("localization_status", kPublisherQueue);
+  map_cloud_ = context_.node.advertise<sensor_msgs::PointCloud2>("localization_map", 1, true);
+}
+
+void LocalizationNode::subscribe_all() {
+  const int capacity = config_.node.queue_size;
+  subscribers_ = {
+      subscribe<nav_msgs::Odometry>(
+          context_, "laser_odom", capacity, [this](const auto& m) { add_odometry(*m); },
+          Numbered::kYes),
+      subscribe<sensor_msgs::PointCloud2>(
+          context_, "current_scan", capacity, [this](const auto& m) { add_scan(*m); },
+          Numbered::kYes),
+      subscribe<geometry_msgs::PoseWithCovarianceStamped>(
+          context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
+}
+
+void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
+  if (frame_name(message.child_frame_id) != config_.node.base_frame) {
+    throw InputError("laser_odom is of '" + message.child_frame_id + "', not of '" +
+                     config_.node.base_frame + "'");
+  }
+  const Stamp stamp = from_ros(message.header.stamp);
+  const double seconds = last_odometry_ ? to_seconds(stamp - *last_odometry_) : 0.0;
+  last_odometry_ = stamp;
+  twist_ = message.twist.twist;
+  pairing_.add({stamp, from_message(message.pose.pose), step_covariance(message, seconds)});
+  process_ready();
+}
+
+void LocalizationNode::add_scan(const sensor_msgs::PointCloud2& message) {
+  if (frame_name(message.header.frame_id) != config_.node.base_frame) {
+    throw InputError("current_scan is in '" + message.header.frame_id + "', not in '" +
+                     config_.node.base_frame + "'");
+  }
+  Scan scan{from_ros(message.header.stamp), from_message(message)};
+  context_.diagnostics.count_input(scan.stamp);
+  pairing_.add(std::move(scan));
+  process_ready();
+}
+
+/// From rviz ("2D Pose Estimate") or another program.
+void LocalizationNode::set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  if (frame_name(message.header.frame_id) != config_.node.map_frame) {
+    throw InputError("the initial pose is in frame '" + message.header.frame_id +
+                     "'; give it in '" + config_.node.map_frame + "'");
+  }
+  initial_pose_ = from_message(message.pose.pose);
+  ROS_INFO_STREAM("looking near " << initial_pose_->translation.transpose() << " m, heading "
+                                  << yaw_of(initial_pose_->rotation) << " rad");
+}
+
+void LocalizationNode::process_ready() {
+  for (PairedScan& paired : pairing_.take_ready()) process(std::move(paired));
+}
+
+void LocalizationNode::process(PairedScan&& paired) {
+  if (!place_) {
+    context_.diagnostics.set_state(Diagnostics::Level::kWarning, loading_);
+    return;
+  }
+  if (initial_pose_) place_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+  const ThreadTime time;
+  localization::LocalizerInput input;
+  input.scan = std::move(paired.scan);
+  input.T_previous_base = paired.T_previous_base;
+  input.covariance = paired.covariance;
+  input.is_connected = paired.is_connected;
+  input.p_base_lidar = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame)
+                           .value_or(Eigen::Vector3d::Zero());
+  const LocalizationResult result = place_->localizer.process(input);
+  const double seconds = time.seconds();
+  if (localization::has_pose(result.state)) publish_pose(result, paired.T_odom_base);
+  publish_status(result, seconds);
+  report(result, seconds);
+}
+
+void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose& T_odom_base) {
+  const NodeFields& frames = config_.node;
+  transforms_.send(result.T_map_base * T_odom_base.inverse(), result.stamp, frames.map_frame,
+                   frames.odom_frame);
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header = header_of(result.stamp, frames.map_frame);
+  pose.pose.pose = to_message(result.T_map_base);
+  pose.pose.covariance = to_array(in_parent_axes(result.covariance, result.T_map_base));
+  pose_.publish(pose);
+  nav_msgs::Odometry odometry;
+  odometry.header = pose.header;
+  odometry.child_frame_id = frames.base_frame;
+  odometry.pose = pose.pose;
+  odometry.twist.twist = twist_;
+  odometry_.publish(odometry);
+  extend_path(result);
+}
+
+void LocalizationNode::extend_path(const LocalizationResult& result) {
+  auto& poses = path_.poses;
+  const Eigen::Vector3d& position = result.T_map_base.translation;
+  if (!poses.empty() && (poses.back().T_map_base.translation - position).norm() < kPathSpacing) {
+    return;
+  }
+  poses.push_back({next_path_index_++, result.stamp, result.T_map_base});
+  if (poses.size() > kLongestPath) poses.erase(poses.begin());
+  path_topic_.publish(to_path(path_, config_.node.map_frame));
+}
+
+void LocalizationNode::publish_status(const LocalizationResult& result, double seconds) {
+  LocalizationStatusMessage message;
+  message.header = header_of(result.stamp, config_.node.map_frame);
+  message.state = localization::to_string(result.state);
+  message.reason = result.reason;
+  message.probability = result.probability;
+  message.agreement = result.agreement;
+  message.coverage = result.coverage;
+  message.hypotheses = static_cast<std::uint32_t>(result.hypotheses);
+  message.seconds = seconds;
+  status_.publish(message);
+}
+
+/// Changes of the state are logged, scans are not.
+void LocalizationNode::report(const LocalizationResult& result, double seconds) {
+  const std::string state = localization::to_string(result.state);
+  context_.diagnostics.count_output(result.stamp);
+  context_.diagnostics.set_state(level_of(result.state), state + ": " + result.reason);
+  context_.diagnostics.set("probability", std::to_string(result.probability));
+  context_.diagnostics.set("agreement", std::to_string(result.agreement));
+  context_.diagnostics.set("coverage", std::to_string(result.coverage));
+  context_.diagnostics.set("seconds per scan", std::to_string(seconds));
+  context_.diagnostics.set("scans without odometry", std::to_string(pairing_.given_up()));
+  if (state == std::exchange(state_, state)) return;
+  if (!localization::has_pose(result.state)) path_.poses.clear();
+  if (result.state == LocalizationState::kLost) {
+    ROS_WARN_STREAM(state << ": " << result.reason);
+  } else {
+    ROS_INFO_STREAM(state << ": " << result.reason);
+  }
+}
+
+}  // namespace lidar_mapping::ros_border
+
+int main(int argc, char** argv) {
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LocalizationNode>(
+      argc, argv, "loop_closing");
+}

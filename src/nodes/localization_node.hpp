@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include "lidar_mapping/localization/localizer.hpp"
+#include "lidar_mapping/pipeline/session_map.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
+
+#include "localization_node_config.hpp"
+#include "localization/scan_pairing.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Subscribed: current_scan and laser_odom of the front end, initialpose. Published: ~pose,
+/// localized_odom, localized_path, localization_status, localization_map (latched), tf map -> odom.
+/// Services: relocalize, load_map. Maps are read in a thread of their own; scans go on meanwhile.
+class LocalizationNode {
+ public:
+  using Config = LocalizationNodeConfig;
+
+  LocalizationNode(const Config& config, NodeContext& context);
+  ~LocalizationNode();
+
+ private:
+  /// A map and the localisation in it.
+  struct Place {
+    Place(const std::string& folder, const loop_closing::LoopClosingConfig& verification)
+        : map(folder, verification, 1), localizer(map.index()) {}
+    pipeline::SessionMap map;
+    localization::Localizer localizer;
+  };
+
+  void advertise_topics();
+  void subscribe_all();
+  void advertise_services();
+
+  void add_odometry(const nav_msgs::Odometry& message);
+  void add_scan(const sensor_msgs::PointCloud2& message);
+  void set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  void process_ready();
+  void process(PairedScan&& paired);
+  void publish_pose(const localization::LocalizationResult& result, const Pose& T_odom_base);
+  void extend_path(const localization::LocalizationResult& result);
+  void publish_status(const localization::LocalizationResult& result, double seconds);
+  void report(const localization::LocalizationResult& result, double seconds);
+
+  void load_first(const std::string& folder);
+  std::string load(const std::string& folder);
+  void use(std::shared_ptr<Place> place, const PointCloud& cloud);
+  bool relocalize(Relocalize::Request& request, Relocalize::Response& response);
+  bool load_map(LoadMap::Request& request, LoadMap::Response& response);
+
+  Config config_;
+  NodeContext& context_;
+  ScanPairing pairing_;
+  SensorFrames sensor_frames_;
+  TransformPublisher transforms_;
+  std::shared_ptr<Place> place_;        ///< none until a map is read
+  std::optional<Pose> initial_pose_;    ///< that the first map is told
+  std::string loading_ = "no map yet";  ///< why there is no place
+  std::optional<Stamp> last_odometry_;  ///< newest one
+  geometry_msgs::Twist twist_;          ///< of the newest odometry
+  std::string state_;                   ///< that was logged last
+  KeyFramePoses path_;
+  KeyFrameIndex next_path_index_ = 0;
+  ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_;
+  std::vector<ros::Subscriber> subscribers_;
+  Worker::ChannelId requests_;
+  Worker loader_;
+  Worker::ChannelId loads_;
+  ros::CallbackQueue service_queue_;
+  std::vector<ros::ServiceServer> services_;
+  ros::AsyncSpinner service_spinner_{1, &service_queue_};
+};
+
+}  // namespace lidar_mapping::ros_border

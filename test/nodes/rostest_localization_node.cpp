@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/Path.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+#include "bag_player.hpp"
+#include "listener.hpp"
+#include "near.hpp"
+#include "node_process.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ros_border::from_message;
+using ros_border::from_ros;
+using session::Session;
+
+/// The nodes of localization.launch on a few seconds of a drive, in the map of another day.
+class LocalizationNode : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    owner() = std::make_unique<TemporaryFolder>();
+    run("simulate_drive", {bag("mapped"), "--lidar", "vlp16", "--duration", "16"});
+    run("simulate_drive", {bag("driven"), "--lidar", "vlp16", "--pass", "1", "--parked", "1",
+                           "--start", "3", "--duration", "13"});
+    run("map_bag", {bag("mapped"), "-o", map(), "--no-map"});
+  }
+  static void TearDownTestSuite() { owner().reset(); }
+  static std::unique_ptr<TemporaryFolder>& owner() {
+    static std::unique_ptr<TemporaryFolder> folder;
+    return folder;
+  }
+  static std::string bag(const std::string& name) { return owner()->path() / (name + ".bag"); }
+  static std::string map() { return owner()->path() / "map"; }
+  static void run(const std::string& program, const std::vector<std::string>& words) {
+    NodeProcess process(program, words);
+    ASSERT_EQ(process.wait(200.0), 0) << process.output();
+  }
+
+  void SetUp() override {
+    start("preprocessing_node", {});
+    start("front_end_node", {"_lidar_frame:=velo_link"});
+    start("localization_node", {"_lidar_frame:=velo_link", "_map:=" + map()});
+    player_.advertise({"points", "imu", "velocity", "gnss", "tf_static"});
+    ASSERT_TRUE(wait_until(
+        [&] {
+          return player_.connected() && is_connected("laser_odom") &&
+                 is_connected("current_scan") && is_connected("synced_cloud") &&
+                 status_.connected() && pose_.connected() && map_cloud_.messages.size() == 1;
+        },
+        3 * kPatience))
+        << nodes_["localization_node"]->output();
+  }
+  void start(const std::string& name, const std::vector<std::string>& arguments) {
+    nodes_[name] = std::make_unique<NodeProcess>(name, arguments);
+  }
+
+  /// Sends up to `count` scans; of the last one that was sent no status comes before the next is.
+  void drive(std::size_t count = 1000) {
+    for (std::size_t i = 0; i < count && player_.send_next_scan(); ++i) {
+      ++sent_;
+      if (sent_ > 1 && !status_.wait_for(sent_ - 1)) {
+        FAIL() << "no status of scan " << sent_ - 1 << "\n"
+               << nodes_["localization_node"]->output();
+      }
+    }
+  }
+  const LocalizationStatusMessage& last() const { return status_.messages.back(); }
+
+  /// Of the simulated world: where the map lies in it by its first key frame.
+  static Pose T_truth_map() {
+    const KeyFramePose first = Session::open(map(), Session::Access::kRead).poses().poses.front();
+    return truth_at(BagPlayer(bag("mapped")).truth(), first.stamp) * first.T_map_base.inverse();
+  }
+  static Pose truth_at(const std::vector<nav_msgs::Odometry>& truth, Stamp stamp) {
+    const auto found = std::find_if(truth.begin(), truth.end(), [&](const auto& message) {
+      return from_ros(message.header.stamp) == stamp;
+    });
+    if (found == truth.end()) throw std::runtime_error("the truth lacks a stamp");
+    return from_message(found->pose.pose);
+  }
+
+  BagPlayer player_{bag("driven")};
+  std::map<std::string, std::unique_ptr<NodeProcess>> nodes_;
+  std::size_t sent_ = 0;
+  Listener<LocalizationStatusMessage> status_{"localization_status"};
+  Listener<geometry_msgs::PoseWithCovarianceStamped> pose_{"localization_node/pose"};
+  Listener<nav_msgs::Odometry> odometry_{"localized_odom"};
+  Listener<nav_msgs::Odometry> laser_odom_{"laser_odom"};
+  Listener<nav_msgs::Path> path_{"localized_path"};
+  Listener<sensor_msgs::PointCloud2> map_cloud_{"localization_map"};
+  Listener<tf2_msgs::TFMessage> tf_{"tf"};
+};
+
+TEST_F(LocalizationNode, FindsItselfAndPublishesWhereItIs) {
+  drive();
+  ASSERT_EQ(last().state, "following") << last().reason;
+  EXPECT_GT(last().probability, 0.99);
+  ASSERT_TRUE(pose_.wait_for(40) && odometry_.wait_for(40) && path_.wait_for(5));
+  const Pose T_truth = T_truth_map();
+  for (const auto& message : pose_.messages) {
+    EXPECT_EQ(message.header.frame_id, "map");
+    EXPECT_GT(message.pose.covariance[0], 0.0);
+    const Pose truth = truth_at(player_.truth(), from_ros(message.header.stamp));
+    EXPECT_TRUE(near(T_truth * from_message(message.pose.pose), truth, 0.2, 0.01));
+  }
+  EXPECT_EQ(path_.messages.back().header.frame_id, "map");
+  EXPECT_GT(map_cloud_.messages.front().width, 1000U);
+}
+
+TEST_F(LocalizationNode, GivesTheTransformThatTheOdometryLacks) {
+  drive(30);
+  ASSERT_TRUE(pose_.wait_for(1));
+  const auto& pose = pose_.messages.back();
+  const auto odometry =
+      std::find_if(laser_odom_.messages.begin(), laser_odom_.messages.end(),
+                   [&](const auto& message) { return message.header.stamp == pose.header.stamp; });
+  ASSERT_NE(odometry, laser_odom_.messages.end());
+  const Pose T_map_odom =
+      from_message(pose.pose.pose) * from_message(odometry->pose.pose).inverse();
+  const auto is_sent = [&](const tf2_msgs::TFMessage& message) {
+    const auto& transform = message.transforms.at(0);
+    return transform.header.frame_id == "map" && transform.child_frame_id == "odom" &&
+           transform.header.stamp == pose.header.stamp &&
+           near(from_message(transform.transform), T_map_odom, 1e-6);
+  };
+  EXPECT_TRUE(
+      wait_until([&] { return std::any_of(tf_.messages.begin(), tf_.messages.end(), is_sent); }));
+}
+
+TEST_F(LocalizationNode, SearchesAgainAndReadsAnotherMapWhenAsked) {
+  drive(40);
+  ASSERT_EQ(last().state, "following") << last().reason;
+  Relocalize again;
+  ASSERT_TRUE(ros::service::call("relocalize", again));
+  EXPECT_TRUE(again.response.success) << again.response.message;
+  drive(2);
+  EXPECT_EQ(last().state, "searching") << last().reason;
+  drive(30);
+  EXPECT_EQ(last().state, "following") << last().reason;
+  LoadMap wrong;
+  wrong.request.path = owner()->path() / "nothing";
+  ASSERT_TRUE(ros::service::call("load_map", wrong));
+  EXPECT_FALSE(wrong.response.success);
+  EXPECT_NE(wrong.response.message.find("there is no session in"), std::string::npos)
+      << wrong.response.message;
+  drive(2);
+  EXPECT_EQ(last().state, "following") << last().reason;  // in the map before
+  LoadMap right;
+  right.request.path = map();
+  ASSERT_TRUE(ros::service::call("load_map", right));
+  EXPECT_TRUE(right.response.success) << right.response.message;
+  drive(2);
+  EXPECT_EQ(last().state, "searching") << last().reason;
+}
+
+TEST(LocalizationNodeAlone, EndsForAMapThatDoesNotExist) {
+  NodeProcess node("localization_node", {"_map:=/no/such/session"});
+  EXPECT_EQ(node.wait(), 1);
+  EXPECT_NE(node.output().find("/no/such/session"), std::string::npos) << node.output();
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/pipeline.hpp"
+#include "lidar_mapping/pipeline/recorded_odometry.hpp"
+#include "lidar_mapping/pipeline/session_map.hpp"
+
+#include "simulated_input.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::pipeline {
+namespace {
+
+using session::Session;
+using test::SimulatedInput;
+using test::TemporaryFolder;
+
+const SimulatedInput& recorded() {
+  static const SimulatedInput input = [] {
+    simulation::DriveOptions options;
+    options.lidar = "vlp16";
+    options.duration = 8.0;
+    return SimulatedInput(options);
+  }();
+  return input;
+}
+
+PipelineConfig with_threads(int threads) {
+  PipelineConfig config;
+  config.threads = threads;
+  return config;
+}
+
+std::vector<OdometryScan> odometry_of(int threads) {
+  SimulatedInput input = recorded();
+  std::vector<OdometryScan> scans;
+  RecordedOdometry odometry(
+      with_threads(threads), [&](const std::string& frame) { return input.T_base(frame); },
+      [&](OdometryScan&& scan) { scans.push_back(std::move(scan)); });
+  while (auto datum = input.next()) odometry.add(std::move(*datum));
+  odometry.finish();
+  return scans;
+}
+
+void map_into(const std::filesystem::path& folder) {
+  SimulatedInput input = recorded();
+  Pipeline pipeline(with_threads(2), Session::create_in(folder),
+                    [&](const std::string& frame) { return input.T_base(frame); });
+  while (auto datum = input.next()) pipeline.add(std::move(*datum));
+  pipeline.finish();
+}
+
+TEST(RecordedOdometry, IsThatOfAMappedDriveForAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  map_into(folder.path());
+  const auto mapped = Session::open(folder.path(), Session::Access::kRead).odometry();
+  ASSERT_GT(mapped.size(), 70U);
+  for (const int threads : {1, 3}) {
+    const std::vector<OdometryScan> scans = odometry_of(threads);
+    ASSERT_EQ(scans.size(), mapped.size());
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      EXPECT_EQ(scans[i].scan.stamp, mapped[i].first);
+      EXPECT_EQ(scans[i].result.T_odom_base.translation, mapped[i].second.translation);
+    }
+  }
+}
+
+TEST(RecordedOdometry, GivesScansInBaseLinkWithoutDistortion) {
+  const SimulatedInput input = recorded();
+  const std::vector<OdometryScan> scans = odometry_of(1);
+  for (const OdometryScan& scan : scans) EXPECT_FALSE(scan.scan.cloud.has_times());
+  EXPECT_EQ(scans.back().p_base_lidar, input.drive().mounting().T_base_lidar.translation);
+  // The ground under the vehicle is at the height of base_link, not of the LiDAR.
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const Point& p : scans.back().scan.cloud.points) {
+    if (std::abs(p.x) > 8.0F || std::abs(p.y) > 2.0F || p.z > 0.6F) continue;
+    sum += p.z;
+    ++count;
+  }
+  ASSERT_GT(count, 50U);
+  EXPECT_LT(std::abs(sum / static_cast<double>(count)), 0.35);
+}
+
+TEST(RecordedOdometry, ThrowsWhatTheReceiverThrew) {
+  SimulatedInput input = recorded();
+  RecordedOdometry odometry(
+      with_threads(2), [&](const std::string& frame) { return input.T_base(frame); },
+      [](OdometryScan&&) { throw InputError("enough"); });
+  const auto read = [&] {
+    while (auto datum = input.next()) odometry.add(std::move(*datum));
+    odometry.finish();
+  };
+  EXPECT_THROW(read(), InputError);
+}
+
+TEST(SessionMap, HasThePlacesOfTheSessionAndItsDatum) {
+  const TemporaryFolder folder;
+  map_into(folder.path());
+  SessionMap map(folder.path(), {}, 1);
+  const Session session = Session::open(folder.path(), Session::Access::kRead);
+  EXPECT_EQ(map.index().places().size(), session.key_frame_count());
+  ASSERT_TRUE(map.datum().has_value());
+  EXPECT_EQ(map.datum()->latitude_deg, session.datum()->latitude_deg);
+  const std::size_t coarse = map.cloud(2.0).size(), fine = map.cloud(0.5).size();
+  EXPECT_GT(coarse, 300U);
+  EXPECT_GT(fine, 3 * coarse);
+}
+
+TEST(SessionMap, RefusesASessionThatWasNeverOptimised) {
+  const TemporaryFolder folder;
+  Session::create_in(folder.path() / "empty");
+  try {
+    const SessionMap map(folder.path() / "empty", {}, 1);
+    FAIL() << "a session without poses was taken for a map";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("optimize_session"), std::string::npos);
+  }
+  EXPECT_THROW(SessionMap(folder.path() / "none", {}, 1), FileError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline
