@@ -106,7 +106,8 @@ TEST(OwnOutputs, AreAllThatTheNodesPublishWithTypesOfSensors) {
       R"(advertise<(?:sensor_msgs::(?:PointCloud2|Imu|NavSatFix)|nav_msgs::Odometry|geometry_msgs::Twist\w*)>\(\s*"(\w+)\")");
   const std::vector<std::string>& own = own_outputs();
   std::size_t count = 0;
-  for (const auto& file : std::filesystem::directory_iterator("../src/nodes")) {
+  for (const auto& file : std::filesystem::recursive_directory_iterator("../src/nodes")) {
+    if (!file.is_regular_file()) continue;
     std::ifstream stream(file.path());
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     const std::sregex_iterator end;
