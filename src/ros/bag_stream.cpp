@@ -20,7 +20,9 @@ BagStream::BagStream(const std::vector<std::string>& paths,
     if (Ros2File::is_one(path)) {
       ros2_recordings_.push_back(std::make_unique<Ros2File>(path, topics));
     } else {
-      bags_.push_back({std::make_unique<BagFile>(path, topics)});
+      bags_.push_back({open_chunked(path, topics)});
+      const std::optional<MissingPart> missing = bags_.back().file->missing_part();
+      if (missing) add_damage(missing->from, FileError(missing->reason));
     }
   }
 }
@@ -76,14 +78,15 @@ std::optional<BagMessage> BagStream::take_from(Ros2Recording& recording) {
 
 /// The next message of a chunk; nothing if it, or the whole chunk, is damaged.
 std::optional<BagMessage> BagStream::message_at(OpenChunks::iterator at) try {
-  const BagFile& file = *bags_[std::get<1>(at->first)].file;
+  const ChunkedRecording& file = *bags_[std::get<1>(at->first)].file;
   const BagEntry& entry = at->second.entries[at->second.next];
   const ChunkContent& chunk = content(at);
   BagMessage message;
   message.connection = &file.connections().at(entry.connection);
   message.recorded = entry.recorded;
-  message.data = file.message(chunk, entry);
-  message.memory = chunk.bytes;
+  StoredMessage stored = file.message(chunk, entry);
+  message.data = stored.data;
+  message.memory = std::move(stored.memory);
   advance(at);
   return message;
 } catch (const FileError& error) {

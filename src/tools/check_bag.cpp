@@ -28,7 +28,7 @@ struct Options {
 
 void add_arguments(CLI::App& app, Options& options) {
   app.add_option("bags", options.bags,
-                 "bags of one drive (ROS 1, or .db3 of ROS 2), or a folder of them")
+                 "bags of one drive (ROS 1, or .db3 or .mcap of ROS 2), or a folder of them")
       ->required();
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) + "; the parameters to judge by");

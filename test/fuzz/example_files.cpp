@@ -23,6 +23,7 @@
 
 #include "../ros/cloud_builder.hpp"
 #include "cloud_forms.hpp"
+#include "mcap_writer.hpp"
 #include "ros2_writer.hpp"
 
 namespace lidar_mapping::test {
@@ -204,8 +205,10 @@ void write_bag_of_driver(const fs::path& path, const std::string& driver) {
   bag.close();
 }
 
-void write_ros2_recording(const fs::path& path) {
-  Ros2Writer out(path);
+namespace {
+
+template <typename Writer>
+void fill_ros2_recording(Writer& out) {
   for (std::uint32_t i = 0; i < 10; ++i) {
     const ros::Time now(100 + i / 10, i % 10 * 100'000'000);
     tf2_msgs::TFMessage frames;
@@ -223,6 +226,23 @@ void write_ros2_recording(const fs::path& path) {
     out.add("/imu", now, imu);
     out.add("/points", now, timed_cloud(now));
   }
+}
+
+}  // namespace
+
+void write_ros2_recording(const fs::path& path) {
+  Ros2Writer out(path);
+  fill_ros2_recording(out);
+}
+
+void write_mcap_recording(const fs::path& path, const std::string& compression) {
+  McapOptions options;
+  options.compression = compression;
+  // Damage is to reach what is read behind the checksums, too.
+  options.has_checksums = compression == "lz4";
+  options.has_summary = compression != "zstd";
+  McapWriter out(path, options);
+  fill_ros2_recording(out);
 }
 
 void write_velodyne_calibration(const fs::path& path) {

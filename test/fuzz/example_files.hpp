@@ -19,6 +19,8 @@ void write_bag_of_other_types(const std::filesystem::path& path);
 void write_bag_of_driver(const std::filesystem::path& path, const std::string& driver);
 /// A recording of ROS 2 with clouds, an IMU and frames.
 void write_ros2_recording(const std::filesystem::path& path);
+/// The same as MCAP file: plain, "lz4", or "zstd" and without a summary.
+void write_mcap_recording(const std::filesystem::path& path, const std::string& compression);
 /// A calibration file of velodyne_pointcloud.
 void write_velodyne_calibration(const std::filesystem::path& path);
 /// Key frames, loops, verdicts, measurements and poses.

@@ -25,9 +25,15 @@ set(reader_sources
   ${readers_root}/src/preprocessing/packets/velodyne_models.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp
   ${readers_root}/src/ros/cdr_message.cpp
+  ${readers_root}/src/ros/chunked_recording.cpp
   ${readers_root}/src/ros/cloud_fields.cpp
   ${readers_root}/src/ros/cloud_reader.cpp
+  ${readers_root}/src/ros/file_bytes.cpp
   ${readers_root}/src/ros/livox_cloud.cpp
+  ${readers_root}/src/ros/mcap_content.cpp
+  ${readers_root}/src/ros/mcap_file.cpp
+  ${readers_root}/src/ros/mcap_index.cpp
+  ${readers_root}/src/ros/mcap_records.cpp
   ${readers_root}/src/ros/message_layout.cpp
   ${readers_root}/src/ros/moving_frame.cpp
   ${readers_root}/src/ros/odometry_choice.cpp

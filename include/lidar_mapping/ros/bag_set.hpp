@@ -19,9 +19,9 @@ struct BagTopic {
   std::string md5sum;          ///< of the type, in the first bag that has the topic
 };
 
-/// The bags of one drive, or recordings of ROS 2 in SQLite, by their indexes. No file stays open.
-/// Throws FileError with the remedy if a file does not exist, is no bag, was not closed by the
-/// recording or has a damaged index.
+/// The bags of one drive, or recordings of ROS 2 (MCAP, SQLite), by their indexes. No file stays
+/// open. Throws FileError with the remedy if a file does not exist, is no bag, was not closed by
+/// the recording or has a damaged index.
 class BagSet {
  public:
   /// Reads the indexes of these files.

@@ -14,7 +14,7 @@
 #include <ros/serialization.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/ros/bag_file.hpp"
+#include "lidar_mapping/ros/chunked_recording.hpp"
 #include "lidar_mapping/ros/ros2_file.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -61,8 +61,8 @@ struct BagDamage {
   std::string reason;      ///< of the first
 };
 
-/// Messages of several bags, or recordings of ROS 2 in SQLite, in the order of their times, equal
-/// ones in that of the bags and files.
+/// Messages of several bags, or recordings of ROS 2 (MCAP files, SQLite), in the order of their
+/// times, equal ones in that of the bags and files.
 /// A chunk is decompressed once, and only chunks with messages that are due soon are kept, so that
 /// memory does not grow with the recording. Throws FileError if a bag cannot be read at all; chunks
 /// and messages that are damaged are left out.
@@ -80,7 +80,7 @@ class BagStream {
 
  private:
   struct Bag {
-    std::unique_ptr<BagFile> file;
+    std::unique_ptr<ChunkedRecording> file;
     std::size_t next_chunk = 0;
   };
   /// Time, bag and chunk of the next message of an open chunk; sorts the open chunks.
