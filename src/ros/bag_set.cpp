@@ -5,6 +5,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "ouster_topics.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -51,6 +53,7 @@ BagSet::BagSet(std::vector<std::string> paths) : paths_(std::move(paths)) {
     }
   }
   for (const auto& [name, topic] : found) topics_.push_back(topic);
+  present_ouster_packets(topics_);
 }
 
 bool BagSet::has(const std::string& topic, const std::vector<std::string>& types) const {

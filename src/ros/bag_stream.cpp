@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "ouster_topics.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -14,7 +16,16 @@ constexpr std::ptrdiff_t kContents = 8;
 
 }  // namespace
 
-BagStream::BagStream(const std::vector<std::string>& paths,
+BagStream::BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics,
+                     Packets packets) {
+  open(paths, topics);
+  const std::vector<std::string> of_ousters = topics_of(kOusterPacket);
+  if (packets == Packets::kAsTheyAre || of_ousters.empty()) return;
+  ousters_ = std::make_shared<OusterTopics>(paths, of_ousters);
+  for (const std::string& problem : ousters_->problems()) add_damage(0, FileError(problem));
+}
+
+void BagStream::open(const std::vector<std::string>& paths,
                      const std::vector<std::string>& topics) {
   for (const std::string& path : paths) {
     if (Ros2File::is_one(path)) {
@@ -27,7 +38,44 @@ BagStream::BagStream(const std::vector<std::string>& paths,
   }
 }
 
+/// Names of the topics whose messages are of this type.
+std::vector<std::string> BagStream::topics_of(const std::string& type) const {
+  std::vector<std::string> topics;
+  const auto add = [&](const auto& connections) {
+    for (const auto& [id, connection] : connections) {
+      if (connection.type == type) topics.push_back(connection.topic);
+    }
+  };
+  for (const Bag& bag : bags_) add(bag.file->connections());
+  for (const Ros2Recording& recording : ros2_recordings_) add(recording->connections());
+  return topics;
+}
+
 std::optional<BagMessage> BagStream::next() {
+  if (!ousters_) return next_recorded();
+  while (const auto message = next_recorded()) {
+    if (auto made = made_of(*message)) return made;
+  }
+  try {
+    return ousters_->finish();
+  } catch (const InputError& error) {
+    add_damage(0, FileError(error.what()));
+    return std::nullopt;
+  }
+}
+
+/// Nothing for packets that are damaged, or with which nothing is complete.
+std::optional<BagMessage> BagStream::made_of(const BagMessage& message) try {
+  return ousters_->add(message);
+} catch (const InputError& error) {
+  add_damage(message.recorded, FileError("on " + message.topic() + " " + error.what()));
+  return std::nullopt;
+} catch (const ros::Exception&) {
+  add_damage(message.recorded, FileError("on " + message.topic() + " a packet is cut off"));
+  return std::nullopt;
+}
+
+std::optional<BagMessage> BagStream::next_recorded() {
   for (;;) {
     const auto at = earliest();
     const auto [recording, time] = earliest_of_ros2();
@@ -106,6 +154,12 @@ void BagStream::add_damage(Stamp stamp, const FileError& error) {
 }
 
 void BagStream::skip_to(Stamp stamp) {
+  // s; chosen: longer than any turn, so that one that ends behind the stamp is whole.
+  constexpr double kTurn = 1.0;
+  if (ousters_) {
+    ousters_->begin_at(stamp);
+    stamp -= from_seconds(kTurn);
+  }
   for (auto at = earliest(); at != open_.end() && std::get<0>(at->first) < stamp; at = earliest()) {
     advance(at);
   }

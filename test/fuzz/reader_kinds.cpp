@@ -310,6 +310,7 @@ std::vector<Kind> kinds() {
            [](const fs::path& folder) { read_bag(folder / "a.bag"); }},
           bag_of("livox"),
           bag_of("velodyne"),
+          bag_of("ouster"),
           bag_of("point_cloud1"),
           bag_of("split_times"),
           velodyne_calibration(),

@@ -21,6 +21,7 @@ set(reader_sources
   ${readers_root}/src/ros/bag_file.cpp
   ${readers_root}/src/ros/bag_set.cpp
   ${readers_root}/src/ros/bag_stream.cpp
+  ${readers_root}/src/preprocessing/packets/ouster_packets.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_calibration.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_models.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp
@@ -37,6 +38,9 @@ set(reader_sources
   ${readers_root}/src/ros/message_layout.cpp
   ${readers_root}/src/ros/moving_frame.cpp
   ${readers_root}/src/ros/odometry_choice.cpp
+  ${readers_root}/src/ros/ouster_metadata.cpp
+  ${readers_root}/src/ros/ouster_topics.cpp
+  ${readers_root}/src/ros/ouster_turns.cpp
   ${readers_root}/src/ros/point_cloud1.cpp
   ${readers_root}/src/ros/point_cloud_decoder.cpp
   ${readers_root}/src/ros/point_fields.cpp

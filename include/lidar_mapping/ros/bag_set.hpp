@@ -14,7 +14,7 @@ namespace lidar_mapping::ros_border {
 /// The recorded messages of one topic and type.
 struct BagTopic {
   std::string name;            ///< as recorded
-  std::string type;            ///< package/Name
+  std::string type;            ///< package/Name, of what BagStream gives of it
   std::uint64_t messages = 0;  ///< number by the index
   std::string md5sum;          ///< of the type, in the first bag that has the topic
 };
