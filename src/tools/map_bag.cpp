@@ -45,7 +45,9 @@ void add_arguments(CLI::App& app, MappingOptions& options) {
   app.add_option("--parameter", options.parameters.parameters,
                  "a single one, as 'stage/name: value' (repeatable)")
       ->allow_extra_args(false);
-  app.add_option("--points", options.drive.topics.points, "topic (found by type if left out)");
+  app.add_option("--points", options.drive.topics.points,
+                 "topic (found by type if left out); of several LiDARs with commas, the main one "
+                 "first");
   app.add_option("--imu", options.drive.topics.imu, "topic");
   app.add_option("--velocity", options.drive.topics.velocity, "topic");
   app.add_option("--gnss", options.drive.topics.gnss, "topic");
