@@ -42,12 +42,16 @@ find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 lidar_mapping_import(lidar_mapping_cholmod INCLUDES ${CHOLMOD_INCLUDE_DIR}
                      LIBRARIES ${CHOLMOD_LIBRARY})
 if(catkin_FOUND)
-  # Of the chunks of bags.
+  # Of the chunks of bags and MCAP files; zlib has the checksums of the latter.
   find_package(BZip2 REQUIRED)
+  find_package(ZLIB REQUIRED)
   find_path(LZ4_INCLUDE_DIR lz4.h REQUIRED)
   find_library(LZ4_LIBRARY lz4 REQUIRED)
-  lidar_mapping_import(lidar_mapping_compression INCLUDES ${LZ4_INCLUDE_DIR} ${BZIP2_INCLUDE_DIR}
-                       LIBRARIES ${LZ4_LIBRARY} ${BZIP2_LIBRARIES})
+  find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
+  find_library(ZSTD_LIBRARY zstd REQUIRED)
+  lidar_mapping_import(lidar_mapping_compression
+    INCLUDES ${LZ4_INCLUDE_DIR} ${BZIP2_INCLUDE_DIR} ${ZSTD_INCLUDE_DIR}
+    LIBRARIES ${LZ4_LIBRARY} ${BZIP2_LIBRARIES} ${ZSTD_LIBRARY} ZLIB::ZLIB)
   lidar_mapping_import(lidar_mapping_catkin INCLUDES ${catkin_INCLUDE_DIRS}
                        LIBRARIES ${catkin_LIBRARIES})
 endif()

@@ -39,7 +39,7 @@ STAGES = {
                MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'evaluation', 'json'}),
     'campaign': ('odometry over many simulated cases, checked step by step',
                  DRIVING | {'simulation', 'evaluation', 'json'}),
-    'ros': ('messages and values, bags, parameters, queues', DRIVING),
+    'ros': ('messages and values, bags, parameters, queues', DRIVING | {'json'}),
     'recordings': ('a drive from bags or folders', MAPPING | {'pipeline', 'ros'}),
     'nodes': ('one file for each node',
               MAPPING | {'localization', 'pipeline', 'moving_objects', 'map', 'json', 'ros'}),

@@ -9,6 +9,7 @@
 #include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/preprocessing/scan_merging.hpp"
 #include "lidar_mapping/ros/cloud_reader.hpp"
 #include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -83,7 +84,7 @@ RecordedCloud whole_cloud(const boost::shared_ptr<const WireMessage>& message) t
 
 }  // namespace
 
-/// Subscribed: points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
+/// Subscribed: points, other_points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
 /// synced_velocity, synced_gnss, synced_inputs, all with the stamp of their scan; gnss_datum,
 /// scans_lost (both latched).
 class PreprocessingNode {
@@ -97,7 +98,10 @@ class PreprocessingNode {
   void advertise();
   void subscribe_sensors();
   void add_cloud(const boost::shared_ptr<const WireMessage>& message);
-  void warn_of_type(const WireMessage& message);
+  void add_other_cloud(const boost::shared_ptr<const WireMessage>& message);
+  void process(preprocessing::RawScan scan);
+  void flush();
+  void warn_of_type(const WireMessage& message, const std::string& topic);
   void add(const SensorInput<ImuSample>& input);
   void add(const SensorInput<VelocitySample>& input);
   void add(const SensorInput<GnssFix>& input);
@@ -120,6 +124,7 @@ class PreprocessingNode {
   CloudReader reader_;
   std::unique_ptr<preprocessing::InputValidator> input_validator_;  ///< until it has reported
   std::optional<Stamp> first_scan_;
+  preprocessing::ScanMerger merger_;
   preprocessing::Preprocessor stage_;
   PointCloud spare_cloud_;  ///< memory of a published cloud, reused for the next one
   std::string antenna_frame_;
@@ -137,13 +142,14 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
       context_(context),
       reader_(config.stage),
       input_validator_(std::make_unique<preprocessing::InputValidator>(config.stage)),
+      merger_(config.stage.scan_period),
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
       losses_(context),
       watch_(context) {
   advertise();
   subscribe_sensors();
-  context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
+  context.worker.set_idle_task(kIdle, [this] { flush(); });
 }
 
 /// A regular shutdown ends the run, so its datum is removed. After a crash the datum stays, and the
@@ -174,7 +180,9 @@ void PreprocessingNode::subscribe_sensors() {
                                            }),
       subscribe<WireMessage>(
           context_, "points", scans, [this](const auto& message) { add_cloud(message); },
-          Numbered::kNo, [this](const WireMessage& message) { losses_.add(message.sequence()); })};
+          Numbered::kNo, [this](const WireMessage& message) { losses_.add(message.sequence()); }),
+      subscribe<WireMessage>(context_, "other_points", scans,
+                             [this](const auto& message) { add_other_cloud(message); })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
       context_, "velocity", samples, [this](const auto& message) {
@@ -202,17 +210,49 @@ void PreprocessingNode::follow_transforms() {
 
 /// A cloud of any of cloud_types().
 void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& message) {
-  if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message);
+  if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message, "points");
   const RecordedCloud cloud = whole_cloud(message);
   context_.diagnostics.count_input(from_ros(cloud.message.header.stamp));
   DecodedCloud decoded = reader_.read_lazily(cloud, std::move(spare_cloud_));
   validate(cloud.view(), decoded);
-  publish(stage_.process(std::move(decoded.scan)));
+  process(std::move(decoded.scan));
 }
 
-void PreprocessingNode::warn_of_type(const WireMessage& message) {
+/// A cloud of another LiDAR than that of the topic points; several may use the topic, each with a
+/// frame of its own.
+void PreprocessingNode::add_other_cloud(const boost::shared_ptr<const WireMessage>& message) {
+  if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message, "other_points");
+  preprocessing::RawScan scan = reader_.read(whole_cloud(message)).scan;
+  const std::optional<Pose> T_base_other = T_base(scan.frame_id);
+  if (T_base_other && scan.cloud.has_times()) {
+    return merger_.add_other(std::move(scan), *T_base_other);
+  }
+  constexpr double kPause = 10.0;  // s; chosen: once in a hundred clouds
+  ROS_WARN_STREAM_THROTTLE(
+      kPause, "the clouds of '" << scan.frame_id << "' on "
+                                << context_.node.resolveName("other_points") << " are left out: "
+                                << (T_base_other ? "their points have no times"
+                                                 : "no transform leads to them from the vehicle"));
+}
+
+/// Hands a scan on, with the points of other LiDARs if there are any.
+void PreprocessingNode::process(preprocessing::RawScan scan) {
+  const std::optional<Pose> T_base_lidar =
+      merger_.has_others() ? T_base(scan.frame_id) : std::nullopt;
+  if (!T_base_lidar) return publish(stage_.process(std::move(scan)));
+  std::vector<preprocessing::RawScan> complete = merger_.add(std::move(scan), *T_base_lidar);
+  for (preprocessing::RawScan& each : complete) publish(stage_.process(std::move(each)));
+}
+
+/// Nothing has come for a while: nothing is waited for any more.
+void PreprocessingNode::flush() {
+  if (auto scan = merger_.flush()) publish(stage_.process(std::move(*scan)));
+  publish(stage_.flush());
+}
+
+void PreprocessingNode::warn_of_type(const WireMessage& message, const std::string& topic) {
   const std::string foreign = foreign_definition(message.type, message.md5sum);
-  ROS_ERROR_STREAM_ONCE(context_.node.resolveName("points")
+  ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
                         << " holds "
                         << (foreign.empty()
                                 ? message.type + ", which is not read; "

@@ -10,9 +10,11 @@
 #include <sensor_msgs/Imu.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/preprocessing/scan_merging.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/cloud_reader.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/merging_check.hpp"
 #include "lidar_mapping/ros/moving_frame.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
@@ -20,6 +22,8 @@
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
+
+#include "other_lidars.hpp"
 
 namespace lidar_mapping::recordings {
 
@@ -63,6 +67,7 @@ class BagInput::Impl {
     read_frames();
     choose_base_frame();
     take_back_moving_clouds();
+    add_other_lidars();
     if (config.enable_robot_odometry_init_guess) {
       topics_.velocity.clear();
       wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
@@ -79,7 +84,10 @@ class BagInput::Impl {
       report_damage();
       if (auto input = readable(*message)) return input;
     }
-    if (std::exchange(ended_, true) || damaged() == 0) return std::nullopt;
+    if (held_) return merged(std::nullopt);
+    if (std::exchange(ended_, true)) return std::nullopt;
+    report_missed_clouds();
+    if (damaged() == 0) return std::nullopt;
     report_damage();
     messages_.push_back("damaged places of the recording that were left out: " +
                         std::to_string(damaged()));
@@ -92,7 +100,11 @@ class BagInput::Impl {
     return ros_border::check({&bags_, topics_, frames_.base_frame(), seconds}, config_);
   }
 
-  void skip_to(Stamp stamp) { stream().skip_to(stamp); }
+  void skip_to(Stamp stamp) {
+    // The clouds of other LiDARs that belong to the first scan were recorded before it.
+    stream().skip_to(others_.empty() ? stamp : stamp - from_seconds(2.0 * reach()));
+    scans_from_ = stamp;
+  }
 
   Stamp begin() const { return begin_; }
   Stamp end() const { return end_; }
@@ -101,11 +113,18 @@ class BagInput::Impl {
   std::optional<Pose> T_base(const std::string& frame) const { return frames_.T_base(frame); }
 
  private:
+  /// A scan that waits for clouds of other LiDARs.
+  struct HeldScan {
+    RecordedCloud cloud;
+    Stamp stamp = 0;
+  };
+
   std::vector<std::string> sensor_topics() const {
     return {topics_.points, topics_.imu, topics_.velocity, topics_.gnss};
   }
   std::vector<std::string> wanted_topics() const {
     std::vector<std::string> topics = sensor_topics();
+    topics.insert(topics.end(), topics_.other_points.begin(), topics_.other_points.end());
     if (wheels_) topics.emplace_back("/tf");
     return topics;
   }
@@ -165,6 +184,60 @@ class BagInput::Impl {
     scan.frame_id = frames_.base_frame();
   }
 
+  double reach() const { return preprocessing::merging_reach(config_.scan_period); }
+
+  /// The other LiDARs whose clouds can be merged into the scans.
+  void add_other_lidars() {
+    if (topics_.other_points.empty()) return;
+    const auto main = ros_border::first_cloud(bags_, topics_.points);
+    if (!main) return;
+    std::string problem = ros_border::merging_problem(*main, reader_);
+    if (!moving_frame_.empty()) problem = "they are in a frame in which the vehicle moves";
+    if (!problem.empty()) {
+      throw InputError("--points: other LiDARs cannot be merged into the scans of " +
+                       topics_.points + ": " + problem + "; name a LiDAR with them first");
+    }
+    const auto T_base_main = frames_.T_base(ros_border::frame_name(main->message.header.frame_id));
+    for (const std::string& topic : topics_.other_points) add_other_lidar(topic, T_base_main);
+  }
+
+  void add_other_lidar(const std::string& topic, const std::optional<Pose>& T_base_main) {
+    const auto cloud = ros_border::first_cloud(bags_, topic);
+    if (!cloud) return messages_.push_back("no cloud on " + topic + " can be read");
+    const std::string frame = ros_border::frame_name(cloud->message.header.frame_id);
+    const auto T_base_other = frames_.T_base(frame);
+    std::string problem = ros_border::merging_problem(*cloud, reader_);
+    if (!T_base_main || !T_base_other) {
+      problem = "no transform leads from '" + frame + "' to '" + frames_.base_frame() + "'";
+    }
+    if (!problem.empty()) {
+      return messages_.push_back("the clouds of " + topic + " are left out: " + problem);
+    }
+    others_.add_lidar(topic, T_base_main->inverse() * *T_base_other);
+  }
+
+  /// Holds a scan until the next one has come, and with it the clouds of the other LiDARs.
+  std::optional<Input> merged(std::optional<HeldScan> next) {
+    const std::optional<HeldScan> held = std::exchange(held_, std::move(next));
+    if (!held) return std::nullopt;
+    const OtherClouds others = others_.around(held->stamp);
+    return pipeline::RecordedScan{
+        held->stamp, [held = *held, others, this](PointCloud buffer) {
+          preprocessing::RawScan scan = decoded(held.cloud, held.stamp, std::move(buffer));
+          for (const auto& other : others) {
+            preprocessing::append_points(scan, other->decoded(reader_), other->T_main_other());
+          }
+          return scan;
+        }};
+  }
+
+  void report_missed_clouds() {
+    for (const auto& [topic, scans] : others_.missed()) {
+      messages_.push_back(std::to_string(scans) + " scans have no points of " + topic +
+                          ": it has no clouds at their time");
+    }
+  }
+
   preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp, PointCloud buffer) const {
     preprocessing::RawScan scan = reader_.read_lazily(cloud, std::move(buffer)).scan;
     scan.stamp = stamp;
@@ -209,11 +282,17 @@ class BagInput::Impl {
     return std::nullopt;
   }
 
-  std::optional<Input> read(const BagMessage& message) const {
+  std::optional<Input> read(const BagMessage& message) {
     const ros::Time recorded = ros_border::to_ros(message.recorded);
     if (const auto cloud = ros_border::read_cloud(message)) {
       const Stamp stamp =
           given_or_recorded(ros_border::from_ros(cloud->message.header.stamp), recorded);
+      if (others_.has(message.topic())) {
+        others_.add(message.topic(), *cloud, stamp);
+        return std::nullopt;
+      }
+      if (message.topic() != topics_.points || message.recorded < scans_from_) return std::nullopt;
+      if (!others_.empty()) return merged(HeldScan{*cloud, stamp});
       return pipeline::RecordedScan{stamp, [cloud = *cloud, stamp, this](PointCloud buffer) {
                                       return decoded(cloud, stamp, std::move(buffer));
                                     }};
@@ -233,6 +312,10 @@ class BagInput::Impl {
   ros_border::RecordedFrames frames_;
   std::string moving_frame_;  ///< of scans that are taken back; empty if there are none
   std::string frames_notice_;
+  OtherLidars others_{reach()};
+  std::optional<HeldScan> held_;
+  Stamp scans_from_ =
+      std::numeric_limits<Stamp>::min();                 ///< when the first wanted one was recorded
   std::optional<ros_border::TransformOdometry> wheels_;  ///< set if the velocity is read from tf
   std::deque<Input> waiting_;                            ///< further samples of the last message
   Stamp begin_ = 0;

@@ -66,7 +66,7 @@ OpenDrive open_bags(const DriveSelection& selection,
     throw InputError(text);
   }
   const ros_border::SensorTopics& topics = bags->topics();
-  drive.topics = {{"points", topics.points},
+  drive.topics = {{"points", topics.all_points()},
                   {"imu", topics.imu},
                   {"velocity", topics.velocity},
                   {"gnss", topics.gnss}};

@@ -12,6 +12,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/bag_file.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/cloud_reader.hpp"
 #include "lidar_mapping/ros/cloud_types.hpp"
@@ -93,7 +94,7 @@ class BagRecording {
     BagMessage message;
     message.connection = &bag_.connections().at(place.entry.connection);
     message.recorded = place.entry.recorded;
-    message.data = bag_.message(content_, place.entry);
+    message.data = bag_.message(content_, place.entry).data;
     message.memory = content_.bytes;
     try {
       if (auto cloud = ros_border::read_cloud(message)) return *cloud;

@@ -105,8 +105,10 @@ Scenario make_scenario(const DriveOptions& options) {
 
 class Drive::Impl {
  public:
-  explicit Impl(const DriveOptions& options)
+  /// `T_base_lidar`: its place, if it is not that of the scenario. `phase`: of its turns, ns.
+  explicit Impl(const DriveOptions& options, const Pose* T_base_lidar = nullptr, Stamp phase = 0)
       : options_(options),
+        phase_(phase),
         lidar_(lidar_model(options.lidar)),
         imu_(imu_model(options.imu)),
         scenario_(make_scenario(options)),
@@ -114,6 +116,7 @@ class Drive::Impl {
         period_(from_seconds(1.0 / options.scan_rate)),
         faults_(options.scan_faults, noise_seed(kScanFaults)) {
     scenario_.trajectory.delay(static_cast<Stamp>(options.pass) * kDay);
+    if (T_base_lidar != nullptr) scenario_.mounting.T_base_lidar = *T_base_lidar;
     const Stamp last = scenario_.trajectory.end();
     const Stamp cut =
         options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;
@@ -133,7 +136,7 @@ class Drive::Impl {
   Stamp begin() const { return scenario_.trajectory.begin() + from_seconds(options_.start); }
 
   Stamp scan_stamp(std::size_t index) const {
-    return begin() + kFirstScanAfter + static_cast<Stamp>(index) * period_;
+    return begin() + kFirstScanAfter + phase_ + static_cast<Stamp>(index) * period_;
   }
 
   SimulatedScan scan(std::size_t index) const {
@@ -169,6 +172,7 @@ class Drive::Impl {
   }
 
   DriveOptions options_;
+  Stamp phase_;
   LidarModel lidar_;
   ImuModel imu_;
   Scenario scenario_;
@@ -181,9 +185,17 @@ class Drive::Impl {
 };
 
 Drive::Drive(const DriveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Drive::Drive(const DriveOptions& options, const Pose& T_base_lidar, Stamp phase)
+    : impl_(std::make_unique<Impl>(options, &T_base_lidar, phase)) {}
 Drive::~Drive() = default;
 Drive::Drive(Drive&&) noexcept = default;
 Drive& Drive::operator=(Drive&&) noexcept = default;
+
+Drive Drive::with_lidar(const std::string& lidar, const Pose& T_base_lidar, Stamp phase) const {
+  DriveOptions options = impl_->options_;
+  options.lidar = lidar;
+  return {options, T_base_lidar, phase};
+}
 
 const SmoothTrajectory& Drive::trajectory() const { return impl_->scenario_.trajectory; }
 const World& Drive::world() const { return impl_->scenario_.world; }

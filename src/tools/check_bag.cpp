@@ -29,12 +29,14 @@ struct Options {
 
 void add_arguments(CLI::App& app, Options& options) {
   app.add_option("bags", options.bags,
-                 "bags of one drive (ROS 1, or .db3 of ROS 2), or a folder of them")
+                 "bags of one drive (ROS 1, or .db3 or .mcap of ROS 2), or a folder of them")
       ->required();
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) + "; the parameters to judge by");
   app.add_option("--base-frame", options.base_frame, "frame of the vehicle")->capture_default_str();
-  app.add_option("--points", options.topics.points, "topic (found by its type if left out)");
+  app.add_option("--points", options.topics.points,
+                 "topic (found by its type if left out); of several LiDARs with commas, the main "
+                 "one first");
   app.add_option("--imu", options.topics.imu, "topic");
   app.add_option("--velocity", options.topics.velocity, "topic");
   app.add_option("--gnss", options.topics.gnss, "topic");

@@ -26,9 +26,10 @@ extern "C" void request_stop(int) {
 }
 
 void add_arguments(CLI::App& app, MappingOptions& options) {
-  app.add_option("input", options.drive.paths,
-                 "bags of one drive (ROS 1, or .db3 of ROS 2), a folder of them, or a folder of "
-                 "scans: KITTI raw, KITTI odometry, *.pcd or *.bin")
+  app.add_option(
+         "input", options.drive.paths,
+         "bags of one drive (ROS 1, or .db3 or .mcap of ROS 2), a folder of them, or a folder of "
+         "scans: KITTI raw, KITTI odometry, *.pcd or *.bin")
       ->required();
   app.add_option("-o,--output", options.output, "new folder for the session and the map")
       ->required();

@@ -73,6 +73,9 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--lidar", drive.lidar, "sensor")
       ->check(CLI::IsMember(simulation::lidar_names()))
       ->capture_default_str();
+  app.add_option("--second-lidar", options.content.second_lidar,
+                 "a further sensor at the rear, in bags on /second/points")
+      ->check(CLI::IsMember(simulation::lidar_names()));
   app.add_option("--seed", drive.seed, "seed of the world and of all noise")->capture_default_str();
   app.add_option("--pass", drive.pass, "so many days later in the same town: own traffic and noise")
       ->capture_default_str();

@@ -23,6 +23,8 @@
 
 #include "../ros/cloud_builder.hpp"
 #include "cloud_forms.hpp"
+#include "mcap_writer.hpp"
+#include "ouster_messages.hpp"
 #include "ros2_writer.hpp"
 
 namespace lidar_mapping::test {
@@ -174,6 +176,28 @@ VelodyneScanMessage velodyne_scan(const ros::Time& now) {
   return scan;
 }
 
+/// Some packets of a turn and one of the IMU, and before the first ones the metadata.
+void write_ouster_turn(rosbag::Bag& bag, const ros::Time& now, std::uint32_t turn) {
+  OusterSensor sensor;
+  sensor.columns = 32;
+  sensor.altitudes_deg = sensor.azimuths_deg = {2.0, 0.5, -1.0};
+  std_msgs::String metadata;
+  metadata.data = sensor.metadata();
+  if (turn == 0) bag.write("/os/metadata", now, metadata);
+  const std::uint64_t step = 3'000'000;  // ns
+  for (std::size_t first = 0; first < sensor.columns; first += sensor.columns_per_packet) {
+    const std::uint64_t begin = now.toNSec() + first * step;
+    const OusterPacketMessage packet{
+        ouster_packet(sensor, static_cast<std::uint16_t>(turn), first, begin, step,
+                      [](std::size_t column, std::size_t pixel) {
+                        return OusterReturn{static_cast<std::uint32_t>(3000 + column + pixel), 9};
+                      })};
+    bag.write("/os/lidar_packets", ros::Time().fromNSec(begin + 8 * step), packet);
+  }
+  const OusterPacketMessage imu{ouster_imu_packet(now.toNSec(), {0.0, 0.0, 1.0}, {0.0, 0.0, 5.0})};
+  bag.write("/os/imu_packets", now, imu);
+}
+
 sensor_msgs::PointCloud2 timed_cloud(const ros::Time& now) {
   std_msgs::Header header;
   header.stamp = now;
@@ -193,14 +217,17 @@ void write_bag_of_driver(const fs::path& path, const std::string& driver) {
     const sensor_msgs::PointCloud2 cloud = timed_cloud(now);
     if (driver == "livox") bag.write("/points", now, as_livox<LivoxDriver::kTwo>(cloud));
     if (driver == "velodyne") bag.write("/points", now, velodyne_scan(now));
+    if (driver == "ouster") write_ouster_turn(bag, now, i);
     if (driver == "point_cloud1") bag.write("/points", now, as_point_cloud1(cloud));
     if (driver == "split_times") bag.write("/points", now, with_split_times(cloud));
   }
   bag.close();
 }
 
-void write_ros2_recording(const fs::path& path) {
-  Ros2Writer out(path);
+namespace {
+
+template <typename Writer>
+void fill_ros2_recording(Writer& out) {
   for (std::uint32_t i = 0; i < 10; ++i) {
     const ros::Time now(100 + i / 10, i % 10 * 100'000'000);
     tf2_msgs::TFMessage frames;
@@ -218,6 +245,23 @@ void write_ros2_recording(const fs::path& path) {
     out.add("/imu", now, imu);
     out.add("/points", now, timed_cloud(now));
   }
+}
+
+}  // namespace
+
+void write_ros2_recording(const fs::path& path) {
+  Ros2Writer out(path);
+  fill_ros2_recording(out);
+}
+
+void write_mcap_recording(const fs::path& path, const std::string& compression) {
+  McapOptions options;
+  options.compression = compression;
+  // Damage is to reach what is read behind the checksums, too.
+  options.has_checksums = compression == "lz4";
+  options.has_summary = compression != "zstd";
+  McapWriter out(path, options);
+  fill_ros2_recording(out);
 }
 
 void write_velodyne_calibration(const fs::path& path) {

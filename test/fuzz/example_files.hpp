@@ -14,11 +14,13 @@ void write_bag(const std::filesystem::path& path, rosbag::compression::Compressi
 /// The same with the other types of message that are read: NMEA sentences, velocities with their
 /// covariance, moving frames.
 void write_bag_of_other_types(const std::filesystem::path& path);
-/// The same with clouds as drivers publish them: livox, velodyne, point_cloud1
-/// or split_times.
+/// The same with clouds as drivers publish them: livox, velodyne, ouster,
+/// point_cloud1 or split_times.
 void write_bag_of_driver(const std::filesystem::path& path, const std::string& driver);
 /// A recording of ROS 2 with clouds, an IMU and frames.
 void write_ros2_recording(const std::filesystem::path& path);
+/// The same as MCAP file: plain, "lz4", or "zstd" and without a summary.
+void write_mcap_recording(const std::filesystem::path& path, const std::string& compression);
 /// A calibration file of velodyne_pointcloud.
 void write_velodyne_calibration(const std::filesystem::path& path);
 /// Key frames, loops, verdicts, measurements and poses.

@@ -98,6 +98,14 @@ Kind ros2() {
           [](const fs::path& folder) { read_bag(folder / "a.db3"); }};
 }
 
+Kind mcap(const std::string& compression) {
+  const auto write = [compression](const fs::path& folder) {
+    write_mcap_recording(folder / "a.mcap", compression);
+  };
+  return {compression.empty() ? "mcap" : "mcap_" + compression, write,
+          [](const fs::path& folder) { read_bag(folder / "a.mcap"); }};
+}
+
 bool is_sound(const Pose& pose) {
   return is_finite(pose) && std::abs(pose.rotation.norm() - 1.0) < 0.5;
 }
@@ -302,10 +310,14 @@ std::vector<Kind> kinds() {
            [](const fs::path& folder) { read_bag(folder / "a.bag"); }},
           bag_of("livox"),
           bag_of("velodyne"),
+          bag_of("ouster"),
           bag_of("point_cloud1"),
           bag_of("split_times"),
           velodyne_calibration(),
           ros2(),
+          mcap(""),
+          mcap("lz4"),
+          mcap("zstd"),
           {"session", session, read},
           {"session_cells", session, read, spoil_session, "session.db"},
           pcd("ascii", false),

@@ -21,16 +21,26 @@ set(reader_sources
   ${readers_root}/src/ros/bags/bag_file.cpp
   ${readers_root}/src/ros/bags/bag_set.cpp
   ${readers_root}/src/ros/bags/bag_stream.cpp
+  ${readers_root}/src/preprocessing/packets/ouster_packets.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_calibration.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_models.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp
   ${readers_root}/src/ros/bags/cdr_message.cpp
+  ${readers_root}/src/ros/bags/chunked_recording.cpp
   ${readers_root}/src/ros/clouds/cloud_fields.cpp
   ${readers_root}/src/ros/clouds/cloud_reader.cpp
+  ${readers_root}/src/ros/bags/file_bytes.cpp
   ${readers_root}/src/ros/clouds/livox_cloud.cpp
+  ${readers_root}/src/ros/bags/mcap_content.cpp
+  ${readers_root}/src/ros/bags/mcap_file.cpp
+  ${readers_root}/src/ros/bags/mcap_index.cpp
+  ${readers_root}/src/ros/bags/mcap_records.cpp
   ${readers_root}/src/ros/bags/message_layout.cpp
   ${readers_root}/src/ros/checks/moving_frame.cpp
   ${readers_root}/src/ros/inputs/odometry_choice.cpp
+  ${readers_root}/src/ros/clouds/ouster_metadata.cpp
+  ${readers_root}/src/ros/inputs/ouster_topics.cpp
+  ${readers_root}/src/ros/clouds/ouster_turns.cpp
   ${readers_root}/src/ros/clouds/point_cloud1.cpp
   ${readers_root}/src/ros/clouds/point_cloud_decoder.cpp
   ${readers_root}/src/ros/clouds/point_fields.cpp

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <csignal>
 #include <set>
 
@@ -102,6 +103,35 @@ class PreprocessingNode : public testing::Test {
   Listener<nav_msgs::Odometry> synced_gnss_{"synced_gnss"};
   Listener<sensor_msgs::NavSatFix> datum_{"gnss_datum"};
 };
+
+/// A scan whose points have times, in a frame.
+sensor_msgs::PointCloud2 timed_yard(int step, Stamp late, const std::string& frame) {
+  PointCloud cloud = yard_seen_from(straight(step), 7U);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.times.push_back(0.09F * static_cast<float>(i) / static_cast<float>(cloud.size()));
+  }
+  return ros_border::to_message(cloud, stamp_of(step) + late, frame);
+}
+
+TEST_F(PreprocessingNode, MergesTheCloudsOfOtherLidars) {
+  ros::Publisher others = connected_publisher<sensor_msgs::PointCloud2>("other_points");
+  send_transform();
+  clouds_.publish(timed_yard(0, 0, "lidar"));
+  ASSERT_TRUE(synced_.wait_for(1));  // alone it does not wait for another scan
+  const std::uint32_t alone = synced_.messages[0].width;
+  const auto is_merged = [&] {
+    const auto& messages = synced_.messages;
+    return std::any_of(messages.begin(), messages.end(),
+                       [&](const auto& message) { return message.width > alone + alone / 2; });
+  };
+  // Topics have no order among each other: the other cloud may come after its scan has gone on.
+  for (int step = 1; step < 50 && !is_merged(); ++step) {
+    others.publish(timed_yard(step, -kPeriod / 2, "lidar"));
+    clouds_.publish(timed_yard(step, 0, "lidar"));
+    ASSERT_TRUE(synced_.wait_for(static_cast<std::size_t>(step)));  // one scan may wait
+  }
+  EXPECT_TRUE(is_merged());
+}
 
 // Late tf, the LiDAR with and without other sensors, stamps bit for bit.
 TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "input_forms.hpp"
+#include "mcap_writer.hpp"
 #include "ros2_writer.hpp"
 
 namespace lidar_mapping::tools {
@@ -11,6 +12,8 @@ namespace {
 using sensor_msgs::PointCloud2;
 using test::kTopic;
 using test::LivoxDriver;
+using test::McapOptions;
+using test::McapWriter;
 using test::Ros2Writer;
 
 class Ros2Recordings : public test::InputForms {
@@ -19,6 +22,22 @@ class Ros2Recordings : public test::InputForms {
   template <typename WriteCloud>
   std::string recorded(const std::string& path, const WriteCloud& write) const {
     Ros2Writer out(path);
+    record(out, write);
+    return path;
+  }
+  std::string recorded_as_mcap(const std::string& path, const McapOptions& options) const {
+    McapWriter out(path, options);
+    record(out, write_plain<McapWriter>);
+    return path;
+  }
+  template <typename Writer>
+  static void write_plain(Writer& out, const ros::Time& recorded, const PointCloud2& cloud) {
+    out.add(kTopic, recorded, cloud);
+  }
+
+ private:
+  template <typename Writer, typename WriteCloud>
+  void record(Writer& out, const WriteCloud& write) const {
     const rosbag::Bag in(drive(), rosbag::bagmode::Read);
     for (const rosbag::MessageInstance& message : rosbag::View(in)) {
       if (const auto cloud = message.instantiate<PointCloud2>()) {
@@ -28,19 +47,13 @@ class Ros2Recordings : public test::InputForms {
              tf2_msgs::TFMessage, nav_msgs::Odometry>(message, out);
       }
     }
-    return path;
   }
-  static void write_plain(Ros2Writer& out, const ros::Time& recorded, const PointCloud2& cloud) {
-    out.add(kTopic, recorded, cloud);
-  }
-
- private:
-  template <typename... Messages>
-  static void copy(const rosbag::MessageInstance& from, Ros2Writer& to) {
+  template <typename... Messages, typename Writer>
+  static void copy(const rosbag::MessageInstance& from, Writer& to) {
     (copy_one<Messages>(from, to), ...);
   }
-  template <typename Message>
-  static void copy_one(const rosbag::MessageInstance& from, Ros2Writer& to) {
+  template <typename Message, typename Writer>
+  static void copy_one(const rosbag::MessageInstance& from, Writer& to) {
     const auto message = from.instantiate<Message>();
     if (message) to.add(from.getTopic(), from.getTime(), *message);
   }
@@ -50,7 +63,7 @@ TEST_F(Ros2Recordings, AFileAndAFolderGiveThePosesOfTheBag) {
   const std::filesystem::path folder = folder_.path() / "drive";
   std::filesystem::create_directory(folder);
   std::ofstream(folder / "metadata.yaml") << "rosbag2_bagfile_information:\n  version: 5\n";
-  const std::string file = recorded(folder / "drive_0.db3", write_plain);
+  const std::string file = recorded(folder / "drive_0.db3", write_plain<Ros2Writer>);
   const Trajectory plain = mapped(plain_bag());
   expect_equal_poses(mapped(file), plain);
   expect_equal_poses(mapped(folder), plain);
@@ -69,6 +82,32 @@ TEST_F(Ros2Recordings, LivoxCustomMsg) {
   expect_equal_poses(mapped(file), mapped(plain_bag()));
 }
 
+TEST_F(Ros2Recordings, McapFilesGiveThePosesOfTheBag) {
+  const Trajectory plain = mapped(plain_bag());
+  for (const char* compression : {"", "lz4", "zstd"}) {
+    McapOptions options;
+    options.compression = compression;
+    options.chunk_bytes = 800'000;  // as rosbag2 has it
+    const std::filesystem::path folder = folder_.path() / ("drive" + options.compression);
+    std::filesystem::create_directory(folder);
+    const std::string file = recorded_as_mcap(folder / "drive_0.mcap", options);
+    expect_equal_poses(mapped(file), plain);
+    if (options.compression == "zstd") expect_equal_poses(mapped(folder), plain);
+    expect_said(checked(file), "points    /points: 10.0 Hz, frame velo_link", 0);
+  }
+}
+
+TEST_F(Ros2Recordings, ACutMcapFileIsMappedUpToThereAndNamed) {
+  McapOptions options;
+  options.chunk_bytes = 800'000;
+  const std::string file = recorded_as_mcap(folder_.path() / "cut.mcap", options);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) * 3 / 4);
+  EXPECT_GT(mapped(file).poses.size(), 40U);
+  expect_said(checked(file), "its end is missing, from byte ", 1);
+  std::filesystem::resize_file(file, 20);
+  expect_said(checked(file), "no topic of the recording holds clouds", 1);
+}
+
 TEST_F(Ros2Recordings, WhatCannotBeReadIsNamed) {
   const std::string type = "sensor_msgs/msg/PointCloud2";
   const auto written = [&](const std::string& name, std::vector<std::uint8_t> bytes,
@@ -83,8 +122,6 @@ TEST_F(Ros2Recordings, WhatCannotBeReadIsNamed) {
   expect_said(checked(written("cut.db3", {0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 200, 0, 0, 0})),
               "shorter than its counts say", 1);
   expect_said(checked(written("other.db3", {}, "protobuf")), "serialised as 'protobuf'", 2);
-  std::ofstream(folder_.path() / "a.mcap") << "\x89MCAP0\r\n and more than sixteen bytes";
-  expect_said(checked(folder_.path() / "a.mcap"), "ros2 bag convert writes it as sqlite3", 2);
   std::ofstream(folder_.path() / "a.db3.zstd") << "\x28\xB5\x2F\xFD and more than sixteen bytes";
   expect_said(checked(folder_.path() / "a.db3.zstd"), "zstd -d decompresses it", 2);
   std::ofstream(folder_.path() / "b.db3") << std::string("SQLite format 3\0 and no pages", 30);
@@ -92,7 +129,7 @@ TEST_F(Ros2Recordings, WhatCannotBeReadIsNamed) {
 }
 
 TEST_F(Ros2Recordings, ACutFileIsNamed) {
-  const std::string file = recorded(folder_.path() / "whole.db3", write_plain);
+  const std::string file = recorded(folder_.path() / "whole.db3", write_plain<Ros2Writer>);
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   expect_said(checked(file), "cannot read the recording " + file, 2);
 }

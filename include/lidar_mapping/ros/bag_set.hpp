@@ -14,14 +14,14 @@ namespace lidar_mapping::ros_border {
 /// The recorded messages of one topic and type.
 struct BagTopic {
   std::string name;            ///< as recorded
-  std::string type;            ///< package/Name
+  std::string type;            ///< package/Name, of what BagStream gives of it
   std::uint64_t messages = 0;  ///< number by the index
   std::string md5sum;          ///< of the type, in the first bag that has the topic
 };
 
-/// The bags of one drive, or recordings of ROS 2 in SQLite, by their indexes. No file stays open.
-/// Throws FileError with the remedy if a file does not exist, is no bag, was not closed by the
-/// recording or has a damaged index.
+/// The bags of one drive, or recordings of ROS 2 (MCAP, SQLite), by their indexes. No file stays
+/// open. Throws FileError with the remedy if a file does not exist, is no bag, was not closed by
+/// the recording or has a damaged index.
 class BagSet {
  public:
   /// Reads the indexes of these files.

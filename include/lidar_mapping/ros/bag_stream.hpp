@@ -14,10 +14,12 @@
 #include <ros/serialization.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/ros/bag_file.hpp"
+#include "lidar_mapping/ros/chunked_recording.hpp"
 #include "lidar_mapping/ros/ros2_file.hpp"
 
 namespace lidar_mapping::ros_border {
+
+class OusterTopics;
 
 /// A serialised message of a bag. It stays where it was decompressed for as long as `memory` lives.
 /// Two functions have the names of those of rosbag::MessageInstance, because templates read both.
@@ -61,15 +63,23 @@ struct BagDamage {
   std::string reason;      ///< of the first
 };
 
-/// Messages of several bags, or recordings of ROS 2 in SQLite, in the order of their times, equal
-/// ones in that of the bags and files.
+/// Messages of several bags, or recordings of ROS 2 (MCAP files, SQLite), in the order of their
+/// times, equal ones in that of the bags and files.
+/// Packets of an Ouster become clouds and IMU samples (see OusterTopics).
 /// A chunk is decompressed once, and only chunks with messages that are due soon are kept, so that
 /// memory does not grow with the recording. Throws FileError if a bag cannot be read at all; chunks
 /// and messages that are damaged are left out.
 class BagStream {
  public:
+  /// What is given of packets of sensors that need several messages for a scan.
+  enum class Packets {
+    kAsMessages,  ///< what they hold: clouds, IMU samples
+    kAsTheyAre    ///< themselves
+  };
+
   /// The messages of these topics in the bags.
-  BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics);
+  BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics,
+            Packets packets = Packets::kAsMessages);
 
   /// The next message; nothing at the end.
   std::optional<BagMessage> next();
@@ -80,7 +90,7 @@ class BagStream {
 
  private:
   struct Bag {
-    std::unique_ptr<BagFile> file;
+    std::unique_ptr<ChunkedRecording> file;
     std::size_t next_chunk = 0;
   };
   /// Time, bag and chunk of the next message of an open chunk; sorts the open chunks.
@@ -95,6 +105,10 @@ class BagStream {
   /// A recording of ROS 2; null after its end, or where reading it failed.
   using Ros2Recording = std::unique_ptr<Ros2File>;
 
+  void open(const std::vector<std::string>& paths, const std::vector<std::string>& topics);
+  std::vector<std::string> topics_of(const std::string& type) const;
+  std::optional<BagMessage> next_recorded();
+  std::optional<BagMessage> made_of(const BagMessage& message);
   /// The chunk with the earliest message, or the end.
   OpenChunks::iterator earliest();
   void open_next_chunk(std::size_t bag);
@@ -107,6 +121,7 @@ class BagStream {
   std::pair<Ros2Recording*, Stamp> earliest_of_ros2();
   std::optional<BagMessage> take_from(Ros2Recording& recording);
 
+  std::shared_ptr<OusterTopics> ousters_;  ///< null if there are none
   std::vector<Bag> bags_;
   std::vector<Ros2Recording> ros2_recordings_;
   std::vector<Ros2Recording> ended_;  ///< their connections may still be in use

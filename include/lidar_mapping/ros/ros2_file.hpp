@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
-#include "lidar_mapping/ros/bag_file.hpp"
+#include "lidar_mapping/ros/chunked_recording.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -27,8 +27,8 @@ struct Ros2Message {
 /// are known. Throws FileError with the reason and the remedy.
 class Ros2File {
  public:
-  /// Whether the file is such a database. Throws FileError with the remedy for an MCAP file or one
-  /// that is compressed as a whole.
+  /// Whether the file is such a database. Throws FileError with the remedy for a file that is
+  /// compressed as a whole.
   static bool is_one(const std::string& path);
 
   /// Reads the list of all topics.

@@ -12,10 +12,20 @@ namespace lidar_mapping::ros_border {
 
 /// Topics of the sensors; empty if there is none.
 struct SensorTopics {
-  std::string points;    ///< one of cloud_types()
-  std::string imu;       ///< sensor_msgs/Imu
-  std::string velocity;  ///< one of velocity_types()
-  std::string gnss;      ///< one of gnss_types()
+  /// Of the main LiDAR, one of cloud_types(). As a request it may name several with commas between
+  /// them, the main one first.
+  std::string points;
+  std::string imu;                             ///< sensor_msgs/Imu
+  std::string velocity;                        ///< one of velocity_types()
+  std::string gnss;                            ///< one of gnss_types()
+  std::vector<std::string> other_points = {};  ///< of the other LiDARs on the vehicle
+
+  /// All LiDARs' topics as a request.
+  std::string all_points() const {
+    std::string text = points;
+    for (const std::string& topic : other_points) text += "," + topic;
+    return text;
+  }
 };
 
 /// Topics, without namespace, that this package's nodes and its simulator publish with the types of

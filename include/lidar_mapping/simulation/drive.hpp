@@ -97,6 +97,10 @@ class Drive {
   /// See the constructor.
   Drive& operator=(Drive&&) noexcept;
 
+  /// The same drive with another LiDAR (one of lidar_names()) at another place, whose turns begin
+  /// `phase` ns later. Throws ConfigError.
+  Drive with_lidar(const std::string& lidar, const Pose& T_base_lidar, Stamp phase) const;
+
   /// Exact T_map_base over the drive; the map frame is East-North-Up at datum().
   const SmoothTrajectory& trajectory() const;
   /// Everything that rays can hit.
@@ -129,6 +133,8 @@ class Drive {
 
  private:
   class Impl;
+  Drive(const DriveOptions& options, const Pose& T_base_lidar, Stamp phase);
+
   std::unique_ptr<Impl> impl_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <bzlib.h>
 #include <lz4frame.h>
+#include <zstd.h>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -53,21 +54,29 @@ void decompress_bz2(ByteRange data, std::uint8_t* to, std::size_t size) {
   if (result != BZ_OK || length != size) fail();
 }
 
+/// The library compares the checksum of the content, if there is one.
+void decompress_zstd(ByteRange data, std::uint8_t* to, std::size_t size) {
+  const std::size_t length = ZSTD_decompress(to, size, data.first, data.size);
+  if (ZSTD_isError(length) != 0 || length != size) fail();
+}
+
 }  // namespace
 
 void decompress(const std::string& compression, ByteRange data, std::uint8_t* to,
                 std::size_t size) {
   if (compression == "lz4") return decompress_lz4(data, to, size);
   if (compression == "bz2") return decompress_bz2(data, to, size);
+  if (compression == "zstd") return decompress_zstd(data, to, size);
   throw InputError("its compression " + compression + " is unknown");
 }
 
 std::size_t largest_content(const std::string& compression, std::size_t bytes) {
   // By the formats, a byte of lz4 stands for at most 255; the shortest block of bzip2 (some 37
-  // bytes) for 900 kB.
-  constexpr std::size_t kLz4 = 255, kBzip2 = 25'000;
+  // bytes) for 900 kB, and that of Zstandard (4 bytes) for 128 KiB.
+  constexpr std::size_t kLz4 = 255, kBzip2 = 25'000, kZstandard = 32'768;
   if (compression == "lz4") return kLz4 * bytes;
   if (compression == "bz2") return kBzip2 * bytes;
+  if (compression == "zstd") return kZstandard * bytes;
   return bytes;
 }
 

@@ -245,7 +245,7 @@ void BagFile::add_chunk(const Record& record) {
       {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
 }
 
-std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) const {
+std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) {
   std::vector<BagEntry> entries;
   const Record head = record_at(chunk.position);
   ::posix_fadvise(descriptor_, static_cast<off_t>(head.end()), kAhead, POSIX_FADV_WILLNEED);
@@ -299,7 +299,7 @@ ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
   return content;
 }
 
-ByteRange BagFile::message(const ChunkContent& content, const BagEntry& entry) const {
+StoredMessage BagFile::message(const ChunkContent& content, const BagEntry& entry) const {
   std::size_t at = entry.offset;
   const auto take = [&]() -> ByteRange {
     constexpr std::size_t kLength = sizeof(std::uint32_t);
@@ -317,7 +317,7 @@ ByteRange BagFile::message(const ChunkContent& content, const BagEntry& entry) c
     if (!fields || operation == fields->end() || operation->second.size() != 1) {
       fail("a chunk is damaged");
     }
-    if (operation->second[0] == static_cast<char>(kMessage)) return data;
+    if (operation->second[0] == static_cast<char>(kMessage)) return {data, content.bytes};
     if (operation->second[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
   }
 }

@@ -5,6 +5,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "inputs/ouster_topics.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -27,8 +29,8 @@ void extend(Times& times, Stamp first, Stamp last) {
   times->second = std::max(times->second, last);
 }
 
-/// Extends the times by those of the messages of a bag, which are sorted by time in each chunk.
-void extend(Times& times, const BagFile& bag) {
+/// Extends the times by those of the messages, which are sorted by time in each chunk.
+void extend(Times& times, ChunkedRecording& bag) {
   for (const BagChunk& chunk : bag.chunks()) {
     try {
       const std::vector<BagEntry> entries = bag.entries(chunk);
@@ -47,10 +49,11 @@ BagSet::BagSet(std::vector<std::string> paths) : paths_(std::move(paths)) {
     if (Ros2File::is_one(path)) {
       add(Ros2File(path).connections(), found);
     } else {
-      add(BagFile(path).connections(), found);
+      add(open_chunked(path)->connections(), found);
     }
   }
   for (const auto& [name, topic] : found) topics_.push_back(topic);
+  present_ouster_packets(topics_);
 }
 
 bool BagSet::has(const std::string& topic, const std::vector<std::string>& types) const {
@@ -64,7 +67,7 @@ std::optional<std::pair<Stamp, Stamp>> BagSet::times_of(
   Times times;
   for (const std::string& path : paths_) {
     if (!Ros2File::is_one(path)) {
-      extend(times, BagFile(path, topics));
+      extend(times, *open_chunked(path, topics));
     } else if (const auto of_file = Ros2File(path, topics).times()) {
       extend(times, of_file->first, of_file->second);
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "inputs/ouster_topics.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -14,18 +16,66 @@ constexpr std::ptrdiff_t kContents = 8;
 
 }  // namespace
 
-BagStream::BagStream(const std::vector<std::string>& paths,
+BagStream::BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics,
+                     Packets packets) {
+  open(paths, topics);
+  const std::vector<std::string> of_ousters = topics_of(kOusterPacket);
+  if (packets == Packets::kAsTheyAre || of_ousters.empty()) return;
+  ousters_ = std::make_shared<OusterTopics>(paths, of_ousters);
+  for (const std::string& problem : ousters_->problems()) add_damage(0, FileError(problem));
+}
+
+void BagStream::open(const std::vector<std::string>& paths,
                      const std::vector<std::string>& topics) {
   for (const std::string& path : paths) {
     if (Ros2File::is_one(path)) {
       ros2_recordings_.push_back(std::make_unique<Ros2File>(path, topics));
     } else {
-      bags_.push_back({std::make_unique<BagFile>(path, topics)});
+      bags_.push_back({open_chunked(path, topics)});
+      const std::optional<MissingPart> missing = bags_.back().file->missing_part();
+      if (missing) add_damage(missing->from, FileError(missing->reason));
     }
   }
 }
 
+/// Names of the topics whose messages are of this type.
+std::vector<std::string> BagStream::topics_of(const std::string& type) const {
+  std::vector<std::string> topics;
+  const auto add = [&](const auto& connections) {
+    for (const auto& [id, connection] : connections) {
+      if (connection.type == type) topics.push_back(connection.topic);
+    }
+  };
+  for (const Bag& bag : bags_) add(bag.file->connections());
+  for (const Ros2Recording& recording : ros2_recordings_) add(recording->connections());
+  return topics;
+}
+
 std::optional<BagMessage> BagStream::next() {
+  if (!ousters_) return next_recorded();
+  while (const auto message = next_recorded()) {
+    if (auto made = made_of(*message)) return made;
+  }
+  try {
+    return ousters_->finish();
+  } catch (const InputError& error) {
+    add_damage(0, FileError(error.what()));
+    return std::nullopt;
+  }
+}
+
+/// Nothing for packets that are damaged, or with which nothing is complete.
+std::optional<BagMessage> BagStream::made_of(const BagMessage& message) try {
+  return ousters_->add(message);
+} catch (const InputError& error) {
+  add_damage(message.recorded, FileError("on " + message.topic() + " " + error.what()));
+  return std::nullopt;
+} catch (const ros::Exception&) {
+  add_damage(message.recorded, FileError("on " + message.topic() + " a packet is cut off"));
+  return std::nullopt;
+}
+
+std::optional<BagMessage> BagStream::next_recorded() {
   for (;;) {
     const auto at = earliest();
     const auto [recording, time] = earliest_of_ros2();
@@ -76,14 +126,15 @@ std::optional<BagMessage> BagStream::take_from(Ros2Recording& recording) {
 
 /// The next message of a chunk; nothing if it, or the whole chunk, is damaged.
 std::optional<BagMessage> BagStream::message_at(OpenChunks::iterator at) try {
-  const BagFile& file = *bags_[std::get<1>(at->first)].file;
+  const ChunkedRecording& file = *bags_[std::get<1>(at->first)].file;
   const BagEntry& entry = at->second.entries[at->second.next];
   const ChunkContent& chunk = content(at);
   BagMessage message;
   message.connection = &file.connections().at(entry.connection);
   message.recorded = entry.recorded;
-  message.data = file.message(chunk, entry);
-  message.memory = chunk.bytes;
+  StoredMessage stored = file.message(chunk, entry);
+  message.data = stored.data;
+  message.memory = std::move(stored.memory);
   advance(at);
   return message;
 } catch (const FileError& error) {
@@ -103,6 +154,12 @@ void BagStream::add_damage(Stamp stamp, const FileError& error) {
 }
 
 void BagStream::skip_to(Stamp stamp) {
+  // s; chosen: longer than any turn, so that one that ends behind the stamp is whole.
+  constexpr double kTurn = 1.0;
+  if (ousters_) {
+    ousters_->begin_at(stamp);
+    stamp -= from_seconds(kTurn);
+  }
   for (auto at = earliest(); at != open_.end() && std::get<0>(at->first) < stamp; at = earliest()) {
     advance(at);
   }

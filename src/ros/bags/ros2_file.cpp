@@ -19,7 +19,6 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 const std::string kSqlite = "SQLite format 3";      // how such a file begins
-const std::string kMcap = "\x89MCAP";               // how such a file begins
 const std::string kZstandard = "\x28\xB5\x2F\xFD";  // how such a file begins
 
 std::string beginning_of(const std::string& path, std::size_t length) {
@@ -77,9 +76,6 @@ bool Ros2File::is_one(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) return false;
   const std::string begin = beginning_of(path, kSqlite.size());
   const std::string problem = "cannot read the recording " + path + ": ";
-  if (begins_with(begin, kMcap)) {
-    throw FileError(problem + "it is an MCAP file; ros2 bag convert writes it as sqlite3");
-  }
   if (begins_with(begin, kZstandard)) {
     throw FileError(problem + "it is compressed; zstd -d decompresses it");
   }

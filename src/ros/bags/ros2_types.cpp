@@ -8,11 +8,14 @@
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geo_point_stamped.hpp"
 #include "lidar_mapping/ros/nmea_sentence.hpp"
+
+#include "inputs/ouster_topics.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -84,11 +87,17 @@ Types all_types() {
   add<geometry_msgs::TwistWithCovarianceStamped>(types);
   add<nav_msgs::Odometry>(types);
   add<tf2_msgs::TFMessage>(types);
+  add<std_msgs::String>(types);
   // The first driver for ROS 2 has another package and the same fields.
   for (const char* name : {"livox_ros_driver2/msg/CustomMsg", "livox_interfaces/msg/CustomMsg"}) {
     add(types, "livox_ros_driver2/CustomMsg", kLivoxDefinition, name);
   }
   add(types, "velodyne_msgs/VelodyneScan", kVelodyneDefinition, "velodyne_msgs/msg/VelodyneScan");
+  // The driver for ROS 2 had three packages for its messages.
+  for (const char* package : {"ouster_sensor_msgs", "ouster_msgs", "ouster_ros"}) {
+    types[package + std::string("/msg/PacketMsg")] = {kOusterPacket, kOusterPacketSum,
+                                                      message_layout("uint8[] buf\n")};
+  }
   return types;
 }
 

@@ -32,7 +32,9 @@ using preprocessing::Severity;
 
 /// Types of messages with raw data of a LiDAR instead of a cloud, and how to convert them.
 const std::map<std::string, std::string> kRawScans = {
-    {"ouster_ros/PacketMsg", "convert them with ouster_ros's replay.launch"},
+    {"ouster_ros/PacketMsg",
+     "record the driver's topic metadata beside them, or convert them with ouster_ros's "
+     "replay.launch"},
     {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
     {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
 

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <tuple>
+#include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
@@ -62,6 +64,24 @@ void resolve_topic(std::string& wanted, const std::string& usual,
   }
 }
 
+/// "/a,/b": the main LiDAR's topic, and those of the others.
+void split_points(SensorTopics& wanted) {
+  std::istringstream names(std::exchange(wanted.points, {}));
+  for (std::string name; std::getline(names, name, ',');) {
+    name.erase(0, name.find_first_not_of(' '));
+    if (name.empty()) continue;
+    const auto& others = wanted.other_points;
+    if (name == wanted.points || std::find(others.begin(), others.end(), name) != others.end()) {
+      throw InputError("--points names " + name + " twice; name each LiDAR once");
+    }
+    if (wanted.points.empty()) {
+      wanted.points = name;
+    } else {
+      wanted.other_points.push_back(name);
+    }
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& own_outputs() {
@@ -107,6 +127,11 @@ std::vector<std::string> cloud_topics(const BagSet& bags) {
 }
 
 SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
+  split_points(wanted);
+  for (std::string& other : wanted.other_points) {
+    resolve_topic(other, "", cloud_type_names(), bags);
+    check_definition(other, bags);
+  }
   resolve_topic(wanted.points, "/kitti/velo/pointcloud", cloud_type_names(), bags);
   check_definition(wanted.points, bags);
   resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);

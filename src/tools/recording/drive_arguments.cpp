@@ -20,7 +20,9 @@ void add_drive_options(CLI::App& app, DriveArguments& arguments) {
   app.add_option("--parameter", arguments.parameters.parameters,
                  "a single one, as 'stage/name: value' (repeatable)")
       ->allow_extra_args(false);
-  app.add_option("--points", arguments.drive.topics.points, "topic (found by type if left out)");
+  app.add_option("--points", arguments.drive.topics.points,
+                 "topic (found by type if left out); of several LiDARs with commas, the main one "
+                 "first");
   app.add_option("--imu", arguments.drive.topics.imu, "topic");
   app.add_option("--velocity", arguments.drive.topics.velocity, "topic");
   app.add_option("--gnss", arguments.drive.topics.gnss, "topic");

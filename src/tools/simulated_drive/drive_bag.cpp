@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
@@ -30,6 +31,11 @@ constexpr char kVelocityTopic[] = "/kitti/oxts/gps/vel";
 constexpr char kLidarFrame[] = "velo_link";
 constexpr char kImuFrame[] = "imu_link";
 constexpr char kAntennaFrame[] = "gnss_link";
+constexpr char kSecondTopic[] = "/second/points";
+constexpr char kSecondFrame[] = "second_link";
+/// How much later the turns of the second LiDAR begin, ns. Chosen: a third of a turn, so that
+/// nothing is in step.
+constexpr Stamp kSecondPhase = 33'000'000;
 constexpr Stamp kGnssDelay = 50'000'000;
 const Eigen::Vector3d kAntennaError(1.2, -0.9, 0.0);  // m
 
@@ -51,9 +57,23 @@ sensor_msgs::Imu imu_message(const ImuSample& sample) {
   return message;
 }
 
+/// The second LiDAR: a metre behind the first one and lower, looking backwards and downwards.
+Pose T_lidar_second() {
+  const Eigen::AngleAxisd backwards(kPi, Eigen::Vector3d::UnitZ());
+  const Eigen::AngleAxisd downwards(0.3, Eigen::Vector3d::UnitY());
+  return {Eigen::Quaterniond(backwards * downwards), {-1.0, 0.0, -0.2}};
+}
+
+std::optional<Drive> second_lidar(const Drive& drive, const BagContent& content) {
+  if (content.second_lidar.empty()) return std::nullopt;
+  return drive.with_lidar(content.second_lidar, drive.mounting().T_base_lidar * T_lidar_second(),
+                          kSecondPhase);
+}
+
 float rounded(float value, float step) { return std::round(value / step) * step; }
 
-sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagContent& content) {
+sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagContent& content,
+                                       const char* frame) {
   PointCloud cloud = scan.cloud;
   if (content.has(BagFault::kDeskewedTwice)) {
     preprocessing::set_times_from_azimuth(cloud, preprocessing::PreprocessingConfig());
@@ -66,7 +86,7 @@ sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagConte
   const std::string slash = content.has(BagFault::kLeadingSlash) ? "/" : "";
   const Stamp late = content.has(BagFault::kStampInTheMiddle) ? (scan.end - scan.stamp) / 2 : 0;
   const Stamp stamp = content.has(BagFault::kNoStamps) ? 0 : scan.stamp + late;
-  return ros_border::to_message(cloud, stamp, slash + kLidarFrame);
+  return ros_border::to_message(cloud, stamp, slash + frame);
 }
 
 ImuSample with_fault(ImuSample sample, const BagContent& content) {
@@ -118,6 +138,10 @@ tf2_msgs::TFMessage extrinsics(const Drive& drive, const BagContent& content) {
   message.transforms = {transform_message(mounting.T_base_lidar, kLidarFrame, stamp),
                         transform_message(mounting.T_base_imu, kImuFrame, stamp),
                         transform_message(T_base_antenna, kAntennaFrame, stamp)};
+  if (!content.second_lidar.empty()) {
+    message.transforms.push_back(
+        transform_message(mounting.T_base_lidar * T_lidar_second(), kSecondFrame, stamp));
+  }
   if (content.has(BagFault::kNoImuTransform)) {
     message.transforms.erase(message.transforms.begin() + 1);
   }
@@ -197,8 +221,13 @@ void fill_bag(const Drive& drive, const std::string& path, const BagContent& con
   }
   add_samples(writer, drive, content);
   if (content.lidar) {
-    for_each_scan(drive, threads, [&](std::size_t, const SimulatedScan& scan) {
-      writer.add(kCloudTopic, scan.end, cloud_message(scan, content));
+    const std::optional<Drive> second = second_lidar(drive, content);
+    for_each_scan(drive, threads, [&](std::size_t index, const SimulatedScan& scan) {
+      writer.add(kCloudTopic, scan.end, cloud_message(scan, content, kLidarFrame));
+      if (second && index < second->scan_count()) {
+        const SimulatedScan other = second->scan(index);
+        writer.add(kSecondTopic, other.end, cloud_message(other, content, kSecondFrame));
+      }
       writer.write_until(scan.end);
     });
   }

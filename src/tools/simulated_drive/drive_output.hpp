@@ -35,6 +35,7 @@ struct BagContent {
   bool imu = true;
   bool gnss = true;
   bool velocity = true;
+  std::string second_lidar;  ///< one of simulation::lidar_names(); empty: there is none
   std::set<BagFault> faults;
 
   bool has(BagFault fault) const { return faults.count(fault) > 0; }

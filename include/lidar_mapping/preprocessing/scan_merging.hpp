@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// Appends those points of another LiDAR's scan to a scan that were measured between its first and
+/// last point, in its frame and with times relative to its stamp. Returns their number: 0 if one of
+/// the scans has no times, or they do not overlap. The scan is unpacked; the other one has to
+/// be.
+std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_scan_other);
+
+/// How far apart the stamps of scans with points of the same time may be, s: one stamped at its
+/// beginning and one at its end, each a turn.
+inline double merging_reach(double scan_period) { return 2.0 * scan_period; }
+
+/// Merges the scans of other LiDARs on the vehicle into those of the main one, as they come. A scan
+/// waits for the next one of the main LiDAR, but only while another LiDAR sends scans of its time.
+/// One thread calls it.
+class ScanMerger {
+ public:
+  /// `scan_period`: of all LiDARs, s.
+  explicit ScanMerger(double scan_period) : reach_(from_seconds(merging_reach(scan_period))) {}
+
+  /// Whether there was a scan of another LiDAR.
+  bool has_others() const { return !others_.empty(); }
+
+  /// A scan of another LiDAR, known by its frame, whose place is T_base_other. It has to be
+  /// unpacked.
+  void add_other(RawScan scan, const Pose& T_base_other);
+  /// A scan of the main LiDAR; the scans that are complete with it, oldest first.
+  std::vector<RawScan> add(RawScan scan, const Pose& T_base_scan);
+  /// The scan that still waits: for the end of the data.
+  std::optional<RawScan> flush();
+
+ private:
+  struct Other {
+    RawScan scan;
+    Pose T_base_other;
+  };
+  struct Held {
+    RawScan scan;
+    Pose T_base_scan;
+  };
+
+  bool is_accompanied(Stamp scan) const;
+
+  Stamp reach_;
+  std::map<std::string, std::deque<Other>> others_;  ///< by their frames
+  std::optional<Held> held_;
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/ros/chunked_recording.hpp"
+
+#include "lidar_mapping/ros/bag_file.hpp"
+#include "lidar_mapping/ros/mcap_file.hpp"
+
+namespace lidar_mapping::ros_border {
+
+std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path) {
+  if (McapFile::is_one(path)) return std::make_unique<McapFile>(path);
+  return std::make_unique<BagFile>(path);
+}
+
+std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path,
+                                               const std::vector<std::string>& topics) {
+  if (McapFile::is_one(path)) return std::make_unique<McapFile>(path, topics);
+  return std::make_unique<BagFile>(path, topics);
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "clouds/ouster_turns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+#include "clouds/cloud_fields.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using preprocessing::OusterPoint;
+using Points = std::vector<OusterPoint>;
+
+constexpr char kFrame[] = "os_lidar";  // the driver's default
+/// Bytes of a point in the cloud: four floats and the time, by the layout of cloud_of().
+constexpr std::uint32_t kPoint = 5 * sizeof(float);
+/// Longest turn, s. Chosen: twice that of the slowest mode, 5 Hz; a time farther off is damaged.
+constexpr double kLongestTurn = 0.4;
+
+/// Without the points whose time is not that of the others.
+void drop_damaged_times(Points& points) {
+  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+  const Stamp stamp = middle->stamp;
+  const Stamp farthest = from_seconds(kLongestTurn);
+  const auto is_off = [&](const OusterPoint& point) {
+    return point.stamp < stamp - farthest || point.stamp > stamp + farthest;
+  };
+  points.erase(std::remove_if(points.begin(), points.end(), is_off), points.end());
+}
+
+sensor_msgs::PointCloud2 cloud_of(const Points& points, Stamp begin) {
+  using sensor_msgs::PointField;
+  sensor_msgs::PointCloud2 cloud;
+  set_layout(cloud,
+             {{"x", PointField::FLOAT32, 0},
+              {"y", PointField::FLOAT32, 4},
+              {"z", PointField::FLOAT32, 8},
+              {"reflectivity", PointField::FLOAT32, 12},
+              {"t", PointField::UINT32, 16}},
+             kPoint, static_cast<std::uint32_t>(points.size()));
+  cloud.data.resize(points.size() * kPoint);
+  std::uint8_t* at = cloud.data.data();
+  for (const OusterPoint& point : points) {
+    const auto time = static_cast<std::uint32_t>(point.stamp - begin);
+    std::memcpy(at, &point.point, sizeof point.point);
+    std::memcpy(at + sizeof point.point, &time, sizeof time);
+    at += kPoint;
+  }
+  return cloud;
+}
+
+bool begins_earlier(const OusterPoint& a, const OusterPoint& b) { return a.stamp < b.stamp; }
+
+}  // namespace
+
+Stamp OusterClock::to_ros(Stamp sensor) const {
+  // ns; as in ouster_packets.cpp, so that the sums below do not overflow.
+  constexpr Stamp kLast = Stamp{1} << 62U;
+  if (sensor < 0 || sensor > kLast) throw InputError("a time of the sensor is none");
+  const double passed = static_cast<double>(sensor - begin);
+  return sensor + offset + static_cast<Stamp>(std::llround(drift * passed));
+}
+
+OusterTurns::OusterTurns(preprocessing::OusterDecoder decoder) : decoder_(std::move(decoder)) {}
+
+std::optional<OusterTurn> OusterTurns::add(ByteRange packet, Stamp recorded,
+                                           const OusterClock& clock) {
+  const std::size_t size = decoder_.packet_size();
+  // Older drivers add a byte.
+  if (packet.size != size && packet.size != size + 1) {
+    throw InputError("a packet of an Ouster has " + std::to_string(packet.size) + " bytes, not " +
+                     std::to_string(size) + " as its metadata say");
+  }
+  std::optional<OusterTurn> turn;
+  const std::uint16_t frame = decoder_.frame(packet.first);
+  if (frame_ != frame) {
+    if (frame_) turn = take(clock);
+    frame_ = frame;
+  }
+  recorded_ = recorded;
+  has_begin_ |= decoder_.has_column(packet.first, decoder_.format().first_column);
+  has_end_ |= decoder_.has_column(packet.first, decoder_.format().last_column);
+  decoder_.decode(packet.first, points_);
+  return turn;
+}
+
+std::optional<OusterTurn> OusterTurns::finish(const OusterClock& clock) {
+  if (!frame_ || !has_end_) return std::nullopt;
+  frame_.reset();
+  return take(clock);
+}
+
+std::optional<OusterTurn> OusterTurns::take(const OusterClock& clock) {
+  Points points = std::exchange(points_, {});
+  points_.reserve(points.size());
+  const bool is_cut = std::exchange(is_first_, false) && !has_begin_;
+  has_begin_ = has_end_ = false;
+  if (is_cut || points.empty()) return std::nullopt;
+  drop_damaged_times(points);
+  const Stamp begin = std::min_element(points.begin(), points.end(), begins_earlier)->stamp;
+  OusterTurn turn;
+  turn.recorded = recorded_;
+  turn.cloud = cloud_of(points, begin);
+  turn.cloud.header.stamp = to_ros(clock.to_ros(begin));
+  turn.cloud.header.frame_id = kFrame;
+  return turn;
+}
+
+}  // namespace lidar_mapping::ros_border

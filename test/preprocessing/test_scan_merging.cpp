@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/scan_merging.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+constexpr Stamp kStart = 1'000'000'000;  // ns
+
+Stamp stamp(double seconds) { return kStart + from_seconds(seconds); }
+
+/// Points a hundredth of a second apart, whose intensities are their times since kStart in s.
+RawScan scan(double begin, const std::string& frame, double first = 0.0, int count = 10) {
+  RawScan scan;
+  scan.stamp = stamp(begin);
+  scan.frame_id = frame;
+  for (int i = 0; i < count; ++i) {
+    const double time = first + 0.01 * i;
+    scan.cloud.points.push_back({1.0F, 2.0F, 3.0F, static_cast<float>(begin + time)});
+    scan.cloud.times.push_back(static_cast<float>(time));
+  }
+  return scan;
+}
+
+/// Times (s) of the points from another LiDAR, which come last.
+std::vector<float> times_of_others(const RawScan& scan) {
+  return {scan.cloud.times.begin() + 10, scan.cloud.times.end()};
+}
+
+/// Two poses of which the second is known in the first by hand.
+const Pose kTurned{exp_so3({0.0, 0.0, 1.5707963267948966}), {5.0, 0.0, 1.0}};
+
+TEST(ScanMerging, PointsOfTheScansTimeAreMovedAndAppended) {
+  RawScan main = scan(0.0, "main");
+  EXPECT_EQ(append_points(main, scan(0.045, "other"), kTurned), 5U);
+  ASSERT_EQ(main.cloud.size(), 15U);
+  ASSERT_EQ(main.cloud.times.size(), 15U);
+  for (std::size_t i = 10; i < 15; ++i) {
+    const Point& p = main.cloud.points[i];
+    EXPECT_NEAR(p.x, 5.0 - 2.0, 1e-5);
+    EXPECT_NEAR(p.y, 1.0, 1e-5);
+    EXPECT_NEAR(p.z, 4.0, 1e-5);
+    EXPECT_NEAR(main.cloud.times[i], p.intensity, 1e-6);
+  }
+  // A scan that is stamped at its end.
+  EXPECT_EQ(append_points(main, scan(0.145, "other", -0.1), kTurned), 5U);
+  EXPECT_EQ(append_points(main, scan(0.2, "other"), kTurned), 0U);
+}
+
+TEST(ScanMerging, WithoutTimesNothingIsAppended) {
+  RawScan main = scan(0.0, "main"), other = scan(0.0, "other");
+  other.cloud.times.clear();
+  EXPECT_EQ(append_points(main, other, {}), 0U);
+  main.cloud.times.clear();
+  EXPECT_EQ(append_points(main, scan(0.0, "other"), {}), 0U);
+  EXPECT_EQ(main.cloud.size(), 10U);
+}
+
+TEST(ScanMerger, AloneNothingWaits) {
+  ScanMerger merger(0.1);
+  for (int i = 0; i < 5; ++i) {
+    const auto complete = merger.add(scan(0.1 * i, "main"), {});
+    ASSERT_EQ(complete.size(), 1U);
+    EXPECT_EQ(complete[0].stamp, stamp(0.1 * i));
+  }
+  EXPECT_FALSE(merger.flush());
+}
+
+TEST(ScanMerger, AScanHasThePointsOfAllOthersOfItsTimeOnce) {
+  ScanMerger merger(0.1);
+  std::vector<RawScan> complete;
+  const auto take = [&](std::vector<RawScan> scans) {
+    for (RawScan& scan : scans) complete.push_back(std::move(scan));
+  };
+  for (int i = 0; i < 6; ++i) {
+    merger.add_other(scan(0.1 * i + 0.035, "a"), {});
+    merger.add_other(scan(0.1 * i + 0.1, "b", -0.1), {});  // stamped at its end
+    take(merger.add(scan(0.1 * i, "main"), {}));
+  }
+  ASSERT_EQ(complete.size(), 5U);
+  take({*merger.flush()});
+  EXPECT_FALSE(merger.flush());
+  for (std::size_t i = 1; i < complete.size(); ++i) {
+    EXPECT_EQ(complete[i].stamp, stamp(0.1 * static_cast<double>(i)));
+    std::vector<float> times = times_of_others(complete[i]);
+    EXPECT_GE(times.size(), 18U) << i;  // but those at the border of two scans
+    EXPECT_LE(times.size(), 20U) << i;
+    for (const float time : times) {
+      EXPECT_GE(time, 0.0F);
+      EXPECT_LE(time, 0.09F + 1e-6F);
+    }
+  }
+}
+
+TEST(ScanMerger, AMissingOtherDelaysOneScanOnly) {
+  ScanMerger merger(0.1);
+  merger.add_other(scan(0.0, "other"), {});
+  EXPECT_TRUE(merger.add(scan(0.0, "main"), {}).empty());
+  EXPECT_EQ(merger.add(scan(0.1, "main"), {}).size(), 1U);
+  EXPECT_EQ(merger.add(scan(0.2, "main"), {}).size(), 1U);
+  EXPECT_EQ(merger.add(scan(0.3, "main"), {}).size(), 2U);  // it is not waited for any more
+  EXPECT_EQ(merger.add(scan(0.4, "main"), {}).size(), 1U);
+}
+
+TEST(ScanMerger, PlacesAreThoseOnTheVehicle) {
+  ScanMerger merger(0.1);
+  const Pose T_base_main{exp_so3({0.1, 0.2, 0.3}), {1.0, 0.0, 2.0}};
+  merger.add_other(scan(0.0, "other"), T_base_main * kTurned);
+  merger.add(scan(0.0, "main"), T_base_main);
+  const auto merged = merger.flush();
+  ASSERT_TRUE(merged);
+  ASSERT_EQ(merged->cloud.size(), 20U);
+  EXPECT_NEAR(merged->cloud.points.back().x, 3.0, 1e-5);
+  EXPECT_NEAR(merged->cloud.points.back().z, 4.0, 1e-5);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
