@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
+#include <map>
 
 #include <Eigen/Cholesky>
 
@@ -109,19 +109,14 @@ bool is_small(const Vector6d& step) {
 /// surfaces are independent.
 Matrix6d gradient_covariance(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
                              CorrespondenceCache& pairs, const Pose& T) {
-  std::unordered_map<std::uint64_t, Vector6d> gradients;
-  const auto key = [](const Eigen::Vector3d& p) {
-    const auto cell = [](double x) {
-      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_to_int(x / kSurfaceSize)));
-    };
-    return cell(p.x()) << 40 ^ cell(p.y()) << 20 ^ cell(p.z());
-  };
+  std::map<VoxelKey, Vector6d> gradients;  // sorted, so that sums have the same bits anywhere
   for_each_residual(source, target, pairs, T, kLevels.back(), [&](const Residual& r) {
-    gradients.try_emplace(key(r.p_target), Vector6d::Zero()).first->second +=
+    const VoxelKey surface = voxel_key(voxel_index(r.p_target / kSurfaceSize));
+    gradients.try_emplace(surface, Vector6d::Zero()).first->second +=
         r.weight * r.value * r.jacobian;
   });
   Matrix6d sum = Matrix6d::Zero();
-  for (const auto& [cell, g] : gradients) sum += g * g.transpose();
+  for (const auto& [surface, g] : gradients) sum += g * g.transpose();
   return sum;
 }
 

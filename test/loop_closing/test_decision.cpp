@@ -94,8 +94,8 @@ TEST(Decide, EachCheckCanRefuseAndNamesItsParameter) {
   match.figures.horizontal_eigenvalue = 0.019;
   expect(decision_on(match), Verdict::kRefused, "eigenvalue_limit");
   match = good_match();
-  match.figures.sight = 1.0;
-  expect(decision_on(match), Verdict::kRefused, "max_loop_distance by sight");
+  match.alignment.T_target_source = planar(1.0, 7.5, 0.1);
+  expect(decision_on(match), Verdict::kRefused, "max_loop_distance");
   match = good_match();
   match.alignment.T_target_source = planar(1.0, 4.0, 0.1);
   expect(decision_on(match), Verdict::kRefused, "innovation_limit");

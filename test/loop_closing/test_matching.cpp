@@ -79,8 +79,8 @@ double height_stddev(int square) {
         target.push_back(wall);
         source.push_back(wall);
       }
-      target.emplace_back(p.x(), p.y(), 0.0F);
-      source.emplace_back(p.x(), p.y(), offset);
+      target.emplace_back(p.x(), p.y(), 0.5F);
+      source.emplace_back(p.x(), p.y(), 0.5F + offset);
     }
   }
   const auto covariance = point_to_plane_covariance(source, SurfaceCloud(target), Pose());

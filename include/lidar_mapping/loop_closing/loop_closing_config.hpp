@@ -76,7 +76,7 @@ struct LoopClosingConfig {
   // What to accept.
   /// [m] Key frames that are further apart have too little overlap for a loop; below 0 by the range
   /// of sight, and more overlap is asked of those that are not close.
-  double max_loop_distance = -1.0;
+  double max_loop_distance = 7.5;
   /// The overlap above ground minus twice the free-space violation of a loop must be larger than
   /// this.
   double overlap_margin_limit = 0.5;
