@@ -54,21 +54,18 @@ double rotation_stddev(const Match& match) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[2]);
 }
 
-/// Key frames that are not close see surfaces from other sides: more of them have to fit, and they
-/// have to determine all angles, which an opening to the next room does not.
-FailedCheck check_far_match(const Match& match) {
-  if (margin_of(match.figures) <= kFarMargin) {
+/// Key frames that are not close have to determine all angles, which an opening to the next room
+/// does not. By sight, more of what they see has to fit, too.
+FailedCheck check_far_match(const Match& match, bool by_sight) {
+  if (by_sight && margin_of(match.figures) <= kFarMargin) {
     return refused(figure_sentence(
         "overlap minus twice the free-space violation of key frames that are not close",
         margin_of(match.figures), "not above", kFarMargin, "max_loop_distance by sight"));
   }
-  if (rotation_stddev(match) > kMaxFarRotation) {
-    return refused(figure_sentence(
-        "standard deviation of the rotation in rad of key frames that "
-        "are not close",
-        rotation_stddev(match), "above", kMaxFarRotation, "max_loop_distance by sight"));
-  }
-  return std::nullopt;
+  if (rotation_stddev(match) <= kMaxFarRotation) return std::nullopt;
+  return refused(
+      figure_sentence("standard deviation of the rotation in rad of key frames that are not close",
+                      rotation_stddev(match), "above", kMaxFarRotation, "range of sight"));
 }
 
 FailedCheck check_distance(const Match& match, const Config& config) {
@@ -79,8 +76,8 @@ FailedCheck check_distance(const Match& match, const Config& config) {
     return refused(figure_sentence("distance of the key frames in m", distance, "above", limit,
                                    by_sight ? "max_loop_distance by sight" : "max_loop_distance"));
   }
-  if (!by_sight || is_close(distance, match.figures.sight)) return std::nullopt;
-  return check_far_match(match);
+  if (is_close(distance, match.figures.sight)) return std::nullopt;
+  return check_far_match(match, by_sight);
 }
 
 FailedCheck check_figures(const MatchFigures& figures, const Config& config) {

@@ -137,9 +137,10 @@ TEST(Decide, AFarMatchHasToDetermineTheRotation) {
   match.alignment.covariance = diagonal_covariance(0.01, 0.006);
   expect(decision_on(match), Verdict::kAccepted, "");
   expect(decision_at_nine_metres(match), Verdict::kRefused, "rotation");
+  expect(decision_at_nine_metres(match, 10.0), Verdict::kRefused, "rotation");
 }
 
-TEST(Decide, ALimitOfTheDistanceThatIsSetIsTheOnlyOne) {
+TEST(Decide, ALimitOfTheDistanceThatIsSetReplacesTheRangeOfSight) {
   Match match = good_match();
   match.figures.overlap = 0.6;
   match.figures.sight = 3.0;
