@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sight.hpp"
 #include "starting_pose.hpp"
 #include "submap_builder.hpp"
 
@@ -49,6 +50,7 @@ void CandidateGenerator::append(const KeyFrame& key_frame,
                                 : std::numeric_limits<double>::infinity();
   graph_distance_.append(step);
   appearances_.append(appearance);
+  if (appearance) sight_ = range_of_sight(appearance->view);
   update_grids(node);
 }
 
@@ -91,7 +93,7 @@ bool CandidateGenerator::is_far_along_path(NodeId older) const {
   const auto gap = static_cast<int>(trajectory_[newest].index - trajectory_[older].index);
   const double path_length = trajectory_[newest].travelled - trajectory_[older].travelled;
   return gap >= std::max(config_.diff_num, config_.extend_frame_num + kQueryKeyFrames) &&
-         path_length >= config_.accum_distance_thresh;
+         path_length >= least_path_length(sight_, config_);
 }
 
 bool CandidateGenerator::is_admissible(NodeId older) const {
@@ -205,7 +207,8 @@ std::vector<Candidate> CandidateGenerator::candidates() const {
     candidate.score = start.score;
     move_to_nearest_key_frame(candidate);
     const double distance = candidate.T_from_to.translation.norm();
-    if (distance <= config_.max_loop_distance + kMaxStartError) result.push_back(candidate);
+    if (distance <= loop_distance_limit(sight_, config_) + kMaxStartError)
+      result.push_back(candidate);
   }
   std::stable_sort(result.begin(), result.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });

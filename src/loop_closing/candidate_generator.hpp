@@ -41,6 +41,8 @@ class CandidateGenerator {
   void search_only_before(KeyFrameIndex end) { end_of_candidates_ = end; }
 
   const Trajectory& trajectory() const { return trajectory_; }
+  /// Range of sight of the newest key frame that has a cloud, m; without limit if there is none.
+  double sight() const { return sight_; }
   /// Candidates for the newest key frame with their starting poses, best first.
   std::vector<Candidate> candidates() const;
 
@@ -69,6 +71,7 @@ class CandidateGenerator {
   PositionGrid map_grid_;
   PositionGrid gnss_grid_;
   std::vector<Loop> loops_;
+  double sight_ = std::numeric_limits<double>::infinity();
   KeyFrameIndex end_of_candidates_ = std::numeric_limits<KeyFrameIndex>::max();
 };
 

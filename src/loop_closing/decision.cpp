@@ -6,6 +6,10 @@
 #include <optional>
 #include <sstream>
 
+#include <Eigen/Eigenvalues>
+
+#include "sight.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -20,6 +24,11 @@ constexpr double kCertainHorizontal = 1.0;    // m
 constexpr double kCertainVertical = 0.5;      // m; storeys are 3 m apart
 constexpr double kCertainRotation = 0.35;     // rad
 constexpr double kExpectedInnovation = 12.6;  // 95 % of chi-square, six degrees of freedom
+
+// Of key frames that are not close, by the range of sight. Measured: what is off by more than 0.06
+// m or 0.3 degrees has less overlap or a larger standard deviation (doc/results/loop_closing.md).
+constexpr double kFarMargin = 0.65;
+constexpr double kMaxFarRotation = 0.005;  // rad, standard deviation
 
 using FailedCheck = std::optional<Decision>;
 using Config = LoopClosingConfig;
@@ -39,11 +48,36 @@ FailedCheck check_tested_points(const MatchFigures& figures, const Config& confi
                                   config.min_tested_points, "min_tested_points")};
 }
 
+/// Largest standard deviation of the rotation that the match leaves, rad.
+double rotation_stddev(const Match& match) {
+  const Eigen::Matrix3d covariance = match.alignment.covariance.bottomRightCorner<3, 3>();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[2]);
+}
+
+/// Key frames that are not close have to determine all angles, which an opening to the next room
+/// does not. By sight, more of what they see has to fit, too.
+FailedCheck check_far_match(const Match& match, bool by_sight) {
+  if (by_sight && margin_of(match.figures) <= kFarMargin) {
+    return refused(figure_sentence(
+        "overlap minus twice the free-space violation of key frames that are not close",
+        margin_of(match.figures), "not above", kFarMargin, "max_loop_distance by sight"));
+  }
+  if (rotation_stddev(match) <= kMaxFarRotation) return std::nullopt;
+  return refused(
+      figure_sentence("standard deviation of the rotation in rad of key frames that are not close",
+                      rotation_stddev(match), "above", kMaxFarRotation, "range of sight"));
+}
+
 FailedCheck check_distance(const Match& match, const Config& config) {
   const double distance = match.alignment.T_target_source.translation.norm();
-  if (distance <= config.max_loop_distance) return std::nullopt;
-  return refused(figure_sentence("distance of the key frames in m", distance, "above",
-                                 config.max_loop_distance, "max_loop_distance"));
+  const bool by_sight = config.max_loop_distance < 0.0;
+  const double limit = loop_distance_limit(match.figures.sight, config);
+  if (distance > limit) {
+    return refused(figure_sentence("distance of the key frames in m", distance, "above", limit,
+                                   by_sight ? "max_loop_distance by sight" : "max_loop_distance"));
+  }
+  if (is_close(distance, match.figures.sight)) return std::nullopt;
+  return check_far_match(match, by_sight);
 }
 
 FailedCheck check_figures(const MatchFigures& figures, const Config& config) {

@@ -7,6 +7,7 @@
 
 #include "scan_alignment.hpp"
 #include "segment_connector.hpp"
+#include "sight.hpp"
 #include "submap_builder.hpp"
 #include "verified_candidate.hpp"
 
@@ -78,7 +79,7 @@ bool LoopCloser::Impl::is_due() const {
   if (key_frames_since_search_ < config_.loop_step) return false;
   if (!last_loop_travelled_) return true;
   const double travelled = trajectory()[trajectory().size() - 1].travelled;
-  return travelled - *last_loop_travelled_ >= config_.min_edge_interval;
+  return travelled - *last_loop_travelled_ >= search_interval(generator_.sight(), config_);
 }
 
 /// The best candidates, at different locations if possible: neighbouring ones would succeed or fail

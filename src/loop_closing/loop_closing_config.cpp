@@ -13,8 +13,10 @@ void describe_search(config::Schema<Config>& schema) {
   schema
       .integer("loop_step", &Config::loop_step, {1, 1000}, "key frames",
                "Search at most every so many key frames.")
-      .real("min_edge_interval", &Config::min_edge_interval, {0.0, 1e4}, "m",
-            "Distance to travel after an accepted loop before the next search.")
+      .real(
+          "min_edge_interval", &Config::min_edge_interval, {-1.0, 1e4}, "m",
+          "Distance to travel after an accepted loop before the next search; below 0 by the range "
+          "of sight.")
       .boolean("position_candidates", &Config::position_candidates,
                "Candidates from the newest estimate of the trajectory.")
       .boolean("gnss_candidates", &Config::gnss_candidates, "Candidates from GNSS positions.")
@@ -22,8 +24,9 @@ void describe_search(config::Schema<Config>& schema) {
                "Candidates from the appearance of the surroundings from above.")
       .integer("diff_num", &Config::diff_num, {0, 100000}, "key frames",
                "Least gap between the indices of two key frames of a loop.")
-      .real("accum_distance_thresh", &Config::accum_distance_thresh, {0.0, 1e5}, "m",
-            "Least distance travelled between two key frames of a loop.")
+      .real("accum_distance_thresh", &Config::accum_distance_thresh, {-1.0, 1e5}, "m",
+            "Least distance travelled between two key frames of a loop; below 0 by the range of "
+            "sight.")
       .real("detect_area", &Config::detect_area, {0.1, 100.0}, "m",
             "Radius of the search where positions are certain; it grows with the uncertainty.")
       .real("distance_thresh", &Config::distance_thresh, {0.1, 1e5}, "m",
@@ -68,8 +71,9 @@ void describe_matching(config::Schema<Config>& schema) {
 
 void describe_verification(config::Schema<Config>& schema) {
   schema
-      .real("max_loop_distance", &Config::max_loop_distance, {0.1, 100.0}, "m",
-            "Key frames that are further apart have too little overlap for a loop.")
+      .real("max_loop_distance", &Config::max_loop_distance, {-1.0, 100.0}, "m",
+            "Key frames that are further apart have too little overlap for a loop; below 0 by the "
+            "range of sight, and more overlap is asked of those that are not close.")
       .real("overlap_margin_limit", &Config::overlap_margin_limit, {-2.0, 1.0}, "",
             "The overlap above ground minus twice the free-space violation of a loop must be "
             "larger than this.")

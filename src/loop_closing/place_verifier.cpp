@@ -4,6 +4,7 @@
 #include "lidar_mapping/loop_closing/above_ground.hpp"
 
 #include "scan_alignment.hpp"
+#include "sight.hpp"
 #include "submap_builder.hpp"
 #include "verified_candidate.hpp"
 
@@ -21,6 +22,7 @@ class PlaceVerifier::Impl {
   void set_query(const PlaceQuery& query) {
     query_.points = query.surroundings;
     query_.above_ground = above_ground(query_.points);
+    query_.sight = range_of_sight({query.scan, above_ground(query.scan)});
     query_.image = FreeSpaceImage(query.scan, query.p_base_lidar.cast<float>());
   }
 

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include <Eigen/Cholesky>
+
+#include "lidar_mapping/common/voxel_index.hpp"
 
 #include "correspondence_cache.hpp"
 
@@ -26,6 +29,10 @@ constexpr double kStepRotation = 5e-4;  // rad; at 10 m as much as kStepTranslat
 constexpr int kMinPairs = 30;           // five for each of six unknowns; chosen
 constexpr double kMinSigma = 0.02;      // m, of a point; chosen: the range noise of a LiDAR
 
+// m; points in one cell of this size belong to one surface. Chosen: walls between two windows and
+// the sides of cars are about as large.
+constexpr double kSurfaceSize = 2.0;
+
 /// Normal equations of one iteration.
 struct Equations {
   Matrix6d hessian = Matrix6d::Zero();
@@ -41,30 +48,48 @@ double robust_weight(double residual, double c) {
   return ratio * ratio;
 }
 
-Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
-                    CorrespondenceCache& pairs, const Pose& T, const Level& level) {
-  Equations equations;
+/// A point of the source with its partner in the target.
+struct Residual {
+  double value = 0.0;   // m, along the normal
+  double weight = 0.0;  // 0 to 1
+  Vector6d jacobian;    // with respect to perturbed(T, d)
+  Eigen::Vector3d p_target;
+};
+
+/// Calls `use` with the residual of every point of a level that has a partner on a plane.
+template <typename Use>
+void for_each_residual(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
+                       CorrespondenceCache& pairs, const Pose& T, const Level& level,
+                       const Use& use) {
   const Eigen::Matrix3d R = T.rotation_matrix();
   const std::size_t stride = std::max<std::size_t>(1, source.size() / level.points);
   for (std::size_t i = 0; i < source.size(); i += stride) {
     const Eigen::Vector3d p_source = source[i].cast<double>();
-    const Eigen::Vector3d p_target = R * p_source + T.translation;
-    const auto pair = pairs.nearest(i, p_target.cast<float>(), level.pair_distance);
+    Residual residual;
+    residual.p_target = R * p_source + T.translation;
+    const auto pair = pairs.nearest(i, residual.p_target.cast<float>(), level.pair_distance);
     if (!pair) continue;
     const Eigen::Vector3d normal = target.normal(pair->index).cast<double>();
     if (normal.isZero()) continue;
-    const double residual =
-        normal.dot(p_target - target.tree().points()[pair->index].cast<double>());
+    residual.value =
+        normal.dot(residual.p_target - target.tree().points()[pair->index].cast<double>());
     const Eigen::Vector3d normal_source = R.transpose() * normal;
-    Vector6d jacobian;
-    jacobian << normal_source, p_source.cross(normal_source);
-    const double w = robust_weight(residual, 0.5 * level.pair_distance);
-    equations.hessian += w * jacobian * jacobian.transpose();
-    equations.gradient += w * residual * jacobian;
-    equations.cost += w * residual * residual;
-    equations.weight += w;
-    ++equations.pairs;
+    residual.jacobian << normal_source, p_source.cross(normal_source);
+    residual.weight = robust_weight(residual.value, 0.5 * level.pair_distance);
+    use(residual);
   }
+}
+
+Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
+                    CorrespondenceCache& pairs, const Pose& T, const Level& level) {
+  Equations equations;
+  for_each_residual(source, target, pairs, T, level, [&](const Residual& r) {
+    equations.hessian += r.weight * r.jacobian * r.jacobian.transpose();
+    equations.gradient += r.weight * r.value * r.jacobian;
+    equations.cost += r.weight * r.value * r.value;
+    equations.weight += r.weight;
+    ++equations.pairs;
+  });
   return equations;
 }
 
@@ -79,12 +104,33 @@ bool is_small(const Vector6d& step) {
   return step.head<3>().norm() < kStepTranslation && step.tail<3>().norm() < kStepRotation;
 }
 
-Covariance6 covariance_of(const Equations& equations) {
+/// Covariance of the gradient: the sum of g g^T over surfaces, where g is the gradient of all
+/// points on one surface. Points of one surface share the error of that surface, so that only
+/// surfaces are independent.
+Matrix6d gradient_covariance(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
+                             CorrespondenceCache& pairs, const Pose& T) {
+  std::map<VoxelKey, Vector6d> gradients;  // sorted, so that sums have the same bits anywhere
+  for_each_residual(source, target, pairs, T, kLevels.back(), [&](const Residual& r) {
+    const VoxelKey surface = voxel_key(voxel_index(r.p_target / kSurfaceSize));
+    gradients.try_emplace(surface, Vector6d::Zero()).first->second +=
+        r.weight * r.value * r.jacobian;
+  });
+  Matrix6d sum = Matrix6d::Zero();
+  for (const auto& [surface, g] : gradients) sum += g * g.transpose();
+  return sum;
+}
+
+/// Covariance at T by the sandwich estimator of White (1980) for clustered errors: noise of single
+/// points, which averages out, and errors of whole surfaces, which do not.
+Covariance6 covariance_at(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
+                          CorrespondenceCache& pairs, const Pose& T, const Equations& equations) {
   const double variance = std::max(equations.cost / equations.weight, kMinSigma * kMinSigma);
   // A direction that no plane determines gets a standard deviation of one kilometre instead of
   // infinity.
   const Matrix6d information = equations.hessian / variance + 1e-6 * Matrix6d::Identity();
-  return information.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d noise = information.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d surfaces = gradient_covariance(source, target, pairs, T) / (variance * variance);
+  return noise + noise * surfaces * noise;
 }
 
 }  // namespace
@@ -106,7 +152,7 @@ Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
       ++result.iterations;
     }
   }
-  result.covariance = covariance_of(equations);
+  result.covariance = covariance_at(source, target, pairs, result.T_target_source, equations);
   return result;
 }
 
@@ -116,7 +162,7 @@ std::optional<Covariance6> point_to_plane_covariance(const std::vector<Eigen::Ve
   CorrespondenceCache pairs(target.tree(), source.size());
   const Equations equations = linearise(source, target, pairs, T_target_source, kLevels.back());
   if (equations.pairs < kMinPairs) return std::nullopt;
-  return covariance_of(equations);
+  return covariance_at(source, target, pairs, T_target_source, equations);
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sight.hpp"
 #include "surface.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -105,6 +106,7 @@ std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
   const Points own_points = newest_scan(trajectory[node].index);
   QueryScan query;
   query.image = FreeSpaceImage(own_points, p_base_lidar_);
+  query.sight = range_of_sight({own_points, above_ground(own_points)});
   query.points = merged_points(trajectory, node, own_points, kQueryKeyFrames - 1, 0, scan_leaf());
   query.above_ground = above_ground(query.points);
   return query;
@@ -122,6 +124,7 @@ std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory
       SurfaceCloud(merged_points(trajectory, node, *own_points, extent, extent, map_leaf()));
   submap->above_ground = above_ground(submap->surface.tree().points());
   submap->image = FreeSpaceImage(*own_points, p_base_lidar_);
+  submap->sight = range_of_sight({*own_points, above_ground(*own_points)});
   submap->p_base_lidar = p_base_lidar_;
   return submap_cache_.insert(index, std::move(submap), 1);
 }

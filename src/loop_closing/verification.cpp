@@ -157,6 +157,7 @@ MatchFigures measure_match(const QueryScan& query, const Submap& submap, const P
   T.translation() = T_submap_query.translation.cast<float>();
   MatchFigures figures;
   measure_pairs(query, submap, T, static_cast<float>(fitness_score_max_range), figures);
+  figures.sight = std::min(query.sight, submap.sight);
   figures.free_space_violation = std::max(violation_of_query(query, submap, T),
                                           violation_of_submap(query, submap, T.inverse()));
   return figures;

@@ -13,6 +13,7 @@ struct QueryScan {
   std::vector<Eigen::Vector3f> points;
   std::vector<bool> above_ground;  ///< per point
   FreeSpaceImage image;            ///< of this key frame alone
+  double sight = 0.0;              ///< range_of_sight() of this key frame alone, m
 };
 
 /// The surroundings of an older key frame, in its base_link.
@@ -20,6 +21,7 @@ struct Submap {
   SurfaceCloud surface;
   std::vector<bool> above_ground;  ///< per point of surface.tree().points()
   FreeSpaceImage image;            ///< of the middle key frame alone
+  double sight = 0.0;              ///< range_of_sight() of the middle key frame alone, m
   /// Position of the LiDAR in base_link, m.
   Eigen::Vector3f p_base_lidar = Eigen::Vector3f::Zero();
 };
@@ -37,6 +39,7 @@ struct MatchFigures {
   /// Mean squared distance of the points with a partner within the range, m^2; the squared range if
   /// there is none.
   double fitness = 0.0;
+  double sight = 0.0;   ///< smaller range of sight of scan and submap, m
   double roofed = 0.0;  ///< roofed_fraction() of the submap; 0 if it was not needed
 };
 

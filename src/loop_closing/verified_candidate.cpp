@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "sight.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -15,9 +17,13 @@ bool is_accepted(const VerifiedCandidate& verified) {
   return verified.decision.verdict == Verdict::kAccepted;
 }
 
-/// The Hessian includes only noise. The lower bound is the accuracy of the submap itself.
-Covariance6 with_lower_bound(const Covariance6& covariance, const LoopClosingConfig& config) {
-  return covariance + diagonal_covariance(config.min_stddev_x, config.min_stddev_q);
+/// The Hessian includes only noise. The lower bound is the accuracy of the submap itself, which is
+/// worse for who sees it from elsewhere.
+Covariance6 with_lower_bound(const Match& match, const LoopClosingConfig& config) {
+  const double growth =
+      growth_of_error(match.alignment.T_target_source.translation.norm(), match.figures.sight);
+  return match.alignment.covariance +
+         diagonal_covariance(growth * config.min_stddev_x, growth * config.min_stddev_q);
 }
 
 }  // namespace
@@ -61,7 +67,7 @@ Loop to_loop(const VerifiedCandidate& verified, const Trajectory& trajectory,
   loop.to = newest(trajectory).index;
   loop.stamp = newest(trajectory).stamp;
   loop.T_from_to = verified.match.alignment.T_target_source;
-  loop.covariance = with_lower_bound(verified.match.alignment.covariance, config);
+  loop.covariance = with_lower_bound(verified.match, config);
   loop.fitness = verified.match.figures.fitness;
   loop.overlap = verified.match.figures.overlap;
   loop.source = verified.candidate.source;

@@ -13,7 +13,8 @@ Match good_match() {
   Match match;
   match.alignment.converged = true;
   match.alignment.T_target_source = planar(1.0, 0.5, 0.1);
-  match.figures = {1000, 0.9, 0.01, 0.2, 0.05};
+  match.alignment.covariance = diagonal_covariance(0.01, 0.001);
+  match.figures = {1000, 0.9, 0.01, 0.2, 0.05, 40.0};
   return match;
 }
 
@@ -96,11 +97,55 @@ TEST(Decide, EachCheckCanRefuseAndNamesItsParameter) {
   match.alignment.T_target_source = planar(1.0, 7.5, 0.1);
   expect(decision_on(match), Verdict::kRefused, "max_loop_distance");
   match = good_match();
-  match.alignment.T_target_source = planar(1.0, 5.0, 0.1);
+  match.alignment.T_target_source = planar(1.0, 4.0, 0.1);
   expect(decision_on(match), Verdict::kRefused, "innovation_limit");
   match = good_match();
   match.alignment.T_target_source = planar(1.0, 0.0, 0.1, 1.2);
   expect(decision_on(match), Verdict::kRefused, "vertical_drift");
+}
+
+/// A match at 9 m, as the estimate has it too; both see 40 m, so that 5 m are close.
+Decision decision_at_nine_metres(const Match& changed, double max_loop_distance = -1.0) {
+  Match match = changed;
+  match.alignment.T_target_source = planar(9.0, 0.0, 0.1);
+  Prior prior = certain_prior();
+  prior.T_from_to = planar(9.0, 0.0, 0.1);
+  LoopClosingConfig config;
+  config.max_loop_distance = max_loop_distance;
+  return decide(match, prior, config);
+}
+
+TEST(Decide, AcceptsAFarMatchInSight) {
+  expect(decision_at_nine_metres(good_match()), Verdict::kAccepted, "");
+  Match match = good_match();
+  match.figures.sight = 8.9;
+  expect(decision_at_nine_metres(match), Verdict::kRefused, "by sight");
+}
+
+TEST(Decide, AFarMatchNeedsMoreOverlapThanACloseOne) {
+  Match match = good_match();
+  match.figures.overlap = 0.66;  // margin 0.64
+  expect(decision_on(match), Verdict::kAccepted, "");
+  expect(decision_at_nine_metres(match), Verdict::kRefused, "not close");
+  match.figures.overlap = 0.68;
+  expect(decision_at_nine_metres(match), Verdict::kAccepted, "");
+}
+
+// Through a door a scan fits at many angles.
+TEST(Decide, AFarMatchHasToDetermineTheRotation) {
+  Match match = good_match();
+  match.alignment.covariance = diagonal_covariance(0.01, 0.006);
+  expect(decision_on(match), Verdict::kAccepted, "");
+  expect(decision_at_nine_metres(match), Verdict::kRefused, "rotation");
+  expect(decision_at_nine_metres(match, 10.0), Verdict::kRefused, "rotation");
+}
+
+TEST(Decide, ALimitOfTheDistanceThatIsSetReplacesTheRangeOfSight) {
+  Match match = good_match();
+  match.figures.overlap = 0.6;
+  match.figures.sight = 3.0;
+  expect(decision_at_nine_metres(match, 10.0), Verdict::kAccepted, "");
+  expect(decision_at_nine_metres(match, 8.0), Verdict::kRefused, "max_loop_distance");
 }
 
 TEST(Decide, TheLimitOfTheFitnessIsConfigurable) {

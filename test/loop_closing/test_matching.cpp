@@ -65,6 +65,33 @@ struct Street {
   Pose T_true;
 };
 
+/// Standard deviation of the height (m) of a scan of a floor and two walls. Its floor is 5 cm too
+/// high or too low, from one square of `square` half metres to the next.
+double height_stddev(int square) {
+  std::vector<Eigen::Vector3f> target, source;
+  for (int x = 0; x < 40; ++x) {
+    for (int y = 0; y < 40; ++y) {
+      const Eigen::Vector2f p(0.5F * static_cast<float>(x) + 0.1F,
+                              0.5F * static_cast<float>(y) + 0.1F);
+      const float offset = (x / square + y / square) % 2 == 0 ? 0.05F : -0.05F;
+      for (const Eigen::Vector3f& wall : {Eigen::Vector3f(0.0F, p.x(), p.y() + 1.0F),
+                                          Eigen::Vector3f(p.x(), 0.0F, p.y() + 1.0F)}) {
+        target.push_back(wall);
+        source.push_back(wall);
+      }
+      target.emplace_back(p.x(), p.y(), 0.5F);
+      source.emplace_back(p.x(), p.y(), 0.5F + offset);
+    }
+  }
+  const auto covariance = point_to_plane_covariance(source, SurfaceCloud(target), Pose());
+  return std::sqrt(covariance.value()(2, 2));
+}
+
+// Errors of single points average out, errors of whole surfaces do not.
+TEST(Covariance, IsLargerIfWholeSurfacesAreOff) {
+  EXPECT_GT(height_stddev(4), 2.0 * height_stddev(1));
+}
+
 Prior anything() { return {}; }
 
 TEST(Matching, ConvergesFromTheStartingPoseByAppearance) {

@@ -101,6 +101,7 @@ VerifiedCandidate complete_entry() {
   entry.match.alignment.T_target_source = planar(3.5, 4.0, 0.1);
   entry.match.alignment.covariance = diagonal_covariance(0.03, 0.004);
   entry.match.figures.fitness = 0.07;
+  entry.match.figures.sight = 60.0;
   entry.match.figures.horizontal_eigenvalue = 0.21;
   return entry;
 }
@@ -119,6 +120,18 @@ TEST(ToLoop, JoinsTheCandidateAndTheNewestKeyFrameAsMatched) {
   EXPECT_EQ(loop.overlap, 0.9);
   EXPECT_TRUE(near(loop.T_from_to, planar(3.5, 4.0, 0.1), 1e-12)) << "not the estimate before";
   // 3-4-5: 0.03 m by the match and 0.04 m of the submap are 0.05 m; 4 and 3 mrad are 5 mrad.
+  EXPECT_TRUE(near(loop.covariance, diagonal_covariance(0.05, 0.005), 1e-12));
+}
+
+// Both see 20 m, and 5.3 m are no longer close: the lower bound grows five times.
+TEST(ToLoop, IsLessCertainIfTheKeyFramesAreNotClose) {
+  LoopClosingConfig config;
+  config.min_stddev_x = 0.008;
+  config.min_stddev_q = 0.0006;
+  VerifiedCandidate entry = complete_entry();
+  entry.match.figures.sight = 20.0;
+  const Loop loop = to_loop(entry, street(), config);
+  // 3-4-5 again: 0.03 m and 0.04 m; 4 and 3 mrad.
   EXPECT_TRUE(near(loop.covariance, diagonal_covariance(0.05, 0.005), 1e-12));
 }
 

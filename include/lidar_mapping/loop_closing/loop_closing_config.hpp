@@ -29,8 +29,9 @@ struct LoopClosingConfig {
   // When to search.
   /// [key frames] Search at most every so many key frames.
   int loop_step = 2;
-  /// [m] Distance to travel after an accepted loop before the next search.
-  double min_edge_interval = 5.0;
+  /// [m] Distance to travel after an accepted loop before the next search; below 0 by the range of
+  /// sight.
+  double min_edge_interval = -1.0;
   // Where to search.
   /// Candidates from the newest estimate of the trajectory.
   bool position_candidates = true;
@@ -40,8 +41,8 @@ struct LoopClosingConfig {
   bool appearance_candidates = true;
   /// [key frames] Least gap between the indices of two key frames of a loop.
   int diff_num = 15;
-  /// [m] Least distance travelled between two key frames of a loop.
-  double accum_distance_thresh = 50.0;
+  /// [m] Least distance travelled between two key frames of a loop; below 0 by the range of sight.
+  double accum_distance_thresh = -1.0;
   /// [m] Radius of the search where positions are certain; it grows with the uncertainty.
   double detect_area = 10.0;
   /// [m] Limit of the radius of the search, however uncertain the positions are.
@@ -73,7 +74,8 @@ struct LoopClosingConfig {
   /// Parameters of the other methods; its method and range of fitness are not used.
   registration::RegistrationConfig registration;
   // What to accept.
-  /// [m] Key frames that are further apart have too little overlap for a loop.
+  /// [m] Key frames that are further apart have too little overlap for a loop; below 0 by the range
+  /// of sight, and more overlap is asked of those that are not close.
   double max_loop_distance = 7.5;
   /// The overlap above ground minus twice the free-space violation of a loop must be larger than
   /// this.
