@@ -18,8 +18,8 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
-#include "localization_node_config.hpp"
 #include "localization/scan_pairing.hpp"
+#include "localization_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "near.hpp"
 #include "localization/scan_pairing.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {
