@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/recorded_frames.hpp"
 
+#include <stdexcept>
+
 #include <tf2/exceptions.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -24,7 +26,12 @@ void RecordedFrames::add(const tf2_msgs::TFMessage& message, bool is_static) {
   for (geometry_msgs::TransformStamped transform : message.transforms) {
     transform.header.frame_id = frame_name(transform.header.frame_id);
     transform.child_frame_id = frame_name(transform.child_frame_id);
-    frames_.setTransform(transform, "recording", is_static);
+    try {
+      frames_.setTransform(transform, "recording", is_static);
+    } catch (const std::runtime_error&) {
+      // tf2 adds to the stamp how long it keeps transforms. A damaged one that leaves no room for
+      // that is left out.
+    }
   }
 }
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/ros/recorded_frames.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+tf2_msgs::TFMessage height_of(const std::string& frame, const ros::Time& stamp, double z) {
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.stamp = stamp;
+  message.transforms[0].header.frame_id = "base_link";
+  message.transforms[0].child_frame_id = frame;
+  message.transforms[0].transform.translation.z = z;
+  message.transforms[0].transform.rotation.w = 1.0;
+  return message;
+}
+
+/// As damaged recordings have them: the last time that a stamp can hold.
+TEST(RecordedFrames, AStampWithoutRoomBehindItIsLeftOut) {
+  RecordedFrames frames("base_link");
+  frames.add(height_of("lidar", ros::Time(100), 2.0), false);
+  const ros::Time last(std::numeric_limits<std::uint32_t>::max(), 999'999'999);
+  EXPECT_NO_THROW(frames.add(height_of("lidar", last, 5.0), false));
+  ASSERT_TRUE(frames.T_base("lidar"));
+  EXPECT_EQ(frames.T_base("lidar")->translation.z(), 2.0);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
