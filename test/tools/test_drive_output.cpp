@@ -78,7 +78,9 @@ TEST_F(DriveOutput, BagHasTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST_F(DriveOutput, BagLeavesOutWhatIsNotWanted) {
-  write_bag(short_drive(), bag, {true, false, false, false, {}}, 1);
+  BagContent lidar_alone;
+  lidar_alone.imu = lidar_alone.gnss = lidar_alone.velocity = false;
+  write_bag(short_drive(), bag, lidar_alone, 1);
   const rosbag::Bag written(bag);
   for (const rosbag::MessageInstance& message : rosbag::View(written)) {
     EXPECT_EQ(message.getTopic().find("/kitti/oxts"), std::string::npos);
