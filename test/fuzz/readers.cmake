@@ -64,6 +64,7 @@ set(reader_sources
   ${readers_root}/src/session/session_reading.cpp
   ${readers_root}/src/session/session_schema.cpp
   ${readers_root}/src/recordings/bag_input.cpp
+  ${readers_root}/src/recordings/other_lidars.cpp
   ${readers_root}/src/campaign/campaign_case.cpp
   ${readers_root}/src/tools/parameters/config_path.cpp
   ${readers_root}/src/recordings/pcd_scan.cpp
