@@ -192,7 +192,14 @@ TEST_F(MapViewerNode, SavesEveryFormat) {
   Listener<nav_msgs::Path> path("optimized_path");
   ASSERT_TRUE(wait_until(
       [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
-  const SaveMap::Response answer = save(folder_.path() / "map", map::product_formats());
+  // Without a session nobody knows where the LiDAR is, so nothing tells what has changed.
+  std::vector<std::string> formats = map::product_formats();
+  formats.erase(std::find(formats.begin(), formats.end(), "changes"));
+  const SaveMap::Response changes = save(folder_.path() / "changes", {"changes"});
+  EXPECT_FALSE(changes.success);
+  EXPECT_NE(changes.message.find("give its position in base_link"), std::string::npos)
+      << changes.message;
+  const SaveMap::Response answer = save(folder_.path() / "map", formats);
   EXPECT_TRUE(answer.success) << answer.message << node.output();
   for (const char* file : {"map.yaml", "map.pcd", "map.ply", "top_view.png", "map.las",
                            "pointcloud_map/pointcloud_map_metadata.yaml", "grid.pgm"}) {
