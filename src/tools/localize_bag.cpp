@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Finds a recorded drive in a finished map and follows it there, without a ROS master.
 
-#include <csignal>
-
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "command_line/process_memory.hpp"
 #include "command_line/run_command.hpp"
+#include "command_line/stop_request.hpp"
 #include "localization/localize_run.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
-
-// Exit status, chosen as that of map_bag.
-constexpr int kStoppedAtOnce = 130;
-
-volatile std::sig_atomic_t stop_requested = 0;
-
-extern "C" void request_stop(int) {
-  if (stop_requested != 0) _exit(kStoppedAtOnce);
-  stop_requested = 1;
-}
 
 void add_arguments(CLI::App& app, std::vector<std::string>& paths, LocalizingOptions& options) {
   app.add_option("drive_and_map", paths,
@@ -56,9 +44,7 @@ int main(int argc, char** argv) {
   return tools::run_command(app, argc, argv, [&] {
     options.map = paths.back();
     options.drive.paths.assign(paths.begin(), paths.end() - 1);
-    std::signal(SIGINT, tools::request_stop);
-    std::signal(SIGTERM, tools::request_stop);
     const tools::ReturnedMemory returned_memory;
-    return tools::localize_recording(options, tools::stop_requested);
+    return tools::localize_recording(options, tools::stop_on_signals());
   });
 }

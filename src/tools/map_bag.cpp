@@ -1,29 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Maps a recorded drive without a ROS master, as fast as the processor allows.
 
-#include <csignal>
-
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "command_line/child_program.hpp"
 #include "command_line/process_memory.hpp"
 #include "command_line/run_command.hpp"
+#include "command_line/stop_request.hpp"
 #include "mapping/mapping_run.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
-
-// Exit status, see doc/pipeline.md: that of shells for a process that SIGINT ended.
-constexpr int kStoppedAtOnce = 130;
-
-volatile std::sig_atomic_t stop_requested = 0;
-
-extern "C" void request_stop(int) {
-  if (stop_requested != 0) _exit(kStoppedAtOnce);
-  stop_requested = 1;
-}
 
 void add_arguments(CLI::App& app, MappingOptions& options) {
   app.add_option(
@@ -68,9 +56,7 @@ int main(int argc, char** argv) {
   tools::add_arguments(app, options);
   return tools::run_command(app, argc, argv, [&] {
     options.command = tools::command_line({argv, argv + argc});
-    std::signal(SIGINT, tools::request_stop);
-    std::signal(SIGTERM, tools::request_stop);
     const tools::ReturnedMemory returned_memory;
-    return tools::map_recording(options, tools::stop_requested);
+    return tools::map_recording(options, tools::stop_on_signals());
   });
 }
