@@ -18,13 +18,6 @@ loop_closing::Points thinned(const PointCloud& cloud, double leaf) {
   return voxels.points();
 }
 
-Eigen::Isometry3f isometry(const Pose& pose) {
-  Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
-  T.linear() = pose.rotation_matrix().cast<float>();
-  T.translation() = pose.translation.cast<float>();
-  return T;
-}
-
 }  // namespace
 
 void RecentScans::add(const PointCloud& cloud, const Pose& T_odom_base,
@@ -43,7 +36,8 @@ loop_closing::PlaceQuery RecentScans::query() const {
   voxels.reset(scan_leaf_);
   for (const Eigen::Vector3f& p : newest_.points) voxels.add(p);
   for (const Seen& seen : earlier_) {
-    const Eigen::Isometry3f T = isometry(newest_.T_odom_base.inverse() * seen.T_odom_base);
+    const Eigen::Isometry3f T =
+        loop_closing::isometry(newest_.T_odom_base.inverse() * seen.T_odom_base);
     for (const Eigen::Vector3f& p : seen.points) voxels.add(T * p);
   }
   return {voxels.points(), newest_.points, p_base_lidar_};

@@ -3,6 +3,13 @@
 
 namespace lidar_mapping::loop_closing {
 
+Eigen::Isometry3f isometry(const Pose& pose) {
+  Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
+  T.linear() = pose.rotation_matrix().cast<float>();
+  T.translation() = pose.translation.cast<float>();
+  return T;
+}
+
 KeyFramePreparation::KeyFramePreparation(const LoopClosingConfig& config)
     : leaf_(config.map_filter == FilterMethod::kVoxel ? config.map_leaf_size : 0.0) {}
 

@@ -17,13 +17,6 @@ constexpr std::size_t kMaxCachedSubmaps = 8;  // chosen: memory against time to 
 // which sensors with few beams see walls.
 constexpr double kMaxPathLength = 30.0;
 
-Eigen::Isometry3f isometry(const Pose& pose) {
-  Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
-  T.linear() = pose.rotation_matrix().cast<float>();
-  T.translation() = pose.translation.cast<float>();
-  return T;
-}
-
 }  // namespace
 
 SubmapBuilder::SubmapBuilder(const LoopClosingConfig& config, CloudSource& clouds)

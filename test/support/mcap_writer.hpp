@@ -77,11 +77,7 @@ class McapWriter {
 
   template <typename Message>
   void add(const std::string& topic, const ros::Time& recorded, const Message& message) {
-    std::string type = ros::message_traits::DataType<Message>::value();
-    type.insert(type.find('/'), "/msg");
-    CdrWriter out;
-    write(out, message);
-    add_bytes(topic, type, recorded, out.bytes());
+    add_bytes(topic, ros2_type<Message>(), recorded, cdr_bytes(message));
   }
   void add_bytes(const std::string& topic, const std::string& type, const ros::Time& recorded,
                  const std::vector<std::uint8_t>& bytes, const std::string& encoding = "cdr") {

@@ -133,6 +133,21 @@ inline void write(CdrWriter& out, const LivoxMessage<LivoxDriver::kTwo>& m) {
   }
 }
 
+/// Name of a type in ROS 2: "sensor_msgs/msg/Imu".
+template <typename Message>
+std::string ros2_type() {
+  std::string type = ros::message_traits::DataType<Message>::value();
+  return type.insert(type.find('/'), "/msg");
+}
+
+/// A message as ROS 2 stores it.
+template <typename Message>
+std::vector<std::uint8_t> cdr_bytes(const Message& message) {
+  CdrWriter out;
+  write(out, message);
+  return out.bytes();
+}
+
 /// A database of rosbag2.
 class Ros2Writer {
  public:
@@ -153,11 +168,7 @@ class Ros2Writer {
 
   template <typename Message>
   void add(const std::string& topic, const ros::Time& recorded, const Message& message) {
-    std::string type = ros::message_traits::DataType<Message>::value();
-    type.insert(type.find('/'), "/msg");
-    CdrWriter out;
-    write(out, message);
-    add_bytes(topic, type, recorded, out.bytes());
+    add_bytes(topic, ros2_type<Message>(), recorded, cdr_bytes(message));
   }
   void add_bytes(const std::string& topic, const std::string& type, const ros::Time& recorded,
                  const std::vector<std::uint8_t>& bytes, const std::string& format = "cdr") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings of ROS 2 through the commands, without ROS 2.
 #include <fstream>
+#include <map>
 
 #include "input_forms.hpp"
 #include "mcap_writer.hpp"
@@ -126,6 +127,23 @@ TEST_F(Ros2Recordings, WhatCannotBeReadIsNamed) {
   expect_said(checked(folder_.path() / "a.db3.zstd"), "zstd -d decompresses it", 2);
   std::ofstream(folder_.path() / "b.db3") << std::string("SQLite format 3\0 and no pages", 30);
   expect_said(checked(folder_.path() / "b.db3"), "cannot read the recording", 2);
+}
+
+TEST_F(Ros2Recordings, RawDataOfOtherDriversIsNamedWithItsRemedy) {
+  const std::map<std::string, std::string> remedies = {
+      {"ouster_ros/PacketMsg", "record the driver's topic metadata beside them"},
+      {"hesai_lidar/PandarScan", "hesai_lidar's cloud node"},
+      {"pandar_msgs/PandarScan", "pandar_pointcloud's cloud node"},
+      {"rslidar_msgs/rslidarScan", "rslidar_sdk (msg_source 2)"}};
+  for (const auto& [type, remedy] : remedies) {
+    const std::string file = folder_.path() / (type.substr(0, type.find('/')) + ".mcap");
+    std::string ros2_type = type;
+    ros2_type.insert(ros2_type.find('/'), "/msg");
+    McapWriter(file, {}).add_bytes("/packets", ros2_type, ros::Time(100), {0, 1, 0, 0});
+    const auto said = checked(file);
+    expect_said(said, "/packets holds " + type + ", not a cloud", 1);
+    EXPECT_NE(said.first.find(remedy), std::string::npos) << said.first;
+  }
 }
 
 TEST_F(Ros2Recordings, ACutFileIsNamed) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
@@ -16,6 +17,9 @@ namespace lidar_mapping::loop_closing {
 using Points = std::vector<Eigen::Vector3f>;
 /// Shared points that do not change.
 using PointsPtr = std::shared_ptr<const Points>;
+
+/// A pose in the precision of Points.
+Eigen::Isometry3f isometry(const Pose& pose);
 
 /// The data that the loop search computes from the cloud of a key frame alone.
 struct PreparedKeyFrame {

@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "lidar_mapping/ros/chunked_recording.hpp"
 
 namespace lidar_mapping::ros_border {
+
+class FileBytes;
 
 /// A bag of version 2.0 (wiki.ros.org/Bags/Format/2.0), or some topics of it, chunk by chunk.
 /// Unlike rosbag it leaves messages where they were decompressed, and checks each length, offset
@@ -45,7 +48,6 @@ class BagFile : public ChunkedRecording {
   [[noreturn]] void fail_chunk(std::uint64_t position) const;
 
   Record record_at(std::uint64_t position) const;
-  void read_bytes(std::uint64_t position, void* to, std::size_t size) const;
   void read_index(const std::vector<std::string>* topics);
   std::uint64_t index_position(const Record& header) const;
   void add_connection(const Record& record, const std::vector<std::string>* topics);
@@ -53,8 +55,7 @@ class BagFile : public ChunkedRecording {
   void add_entries(const Record& record, std::vector<BagEntry>& entries) const;
 
   std::string path_;
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
+  std::unique_ptr<const FileBytes> file_;
   std::map<std::uint32_t, BagConnection> connections_;
   std::vector<BagChunk> chunks_;
   std::vector<std::uint8_t> compressed_;

@@ -2,19 +2,16 @@
 #include "lidar_mapping/ros/bag_file.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <tuple>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include "lidar_mapping/common/errors.hpp"
 
 #include "bags/bag_chunk.hpp"
+#include "bags/file_bytes.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -110,39 +107,17 @@ BagFile::BagFile(const std::string& path, const std::vector<std::string>* topics
   if (!std::filesystem::is_regular_file(path)) {
     throw FileError(problem + "there is no such file; check its path");
   }
-  size_ = std::filesystem::file_size(path);
-  if (size_ == 0) throw FileError(problem + "it is empty; copy or record it again");
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw FileError(problem + std::strerror(errno) + "; check the permissions");
-  try {
-    read_index(topics);
-  } catch (...) {
-    ::close(descriptor_);
-    throw;
-  }
+  file_ = std::make_unique<const FileBytes>(path, "bag", "try rosbag reindex");
+  if (file_->size() == 0) throw FileError(problem + "it is empty; copy or record it again");
+  read_index(topics);
 }
 
-BagFile::~BagFile() { ::close(descriptor_); }
+BagFile::~BagFile() = default;
 
-void BagFile::fail(const std::string& reason) const {
-  throw FileError("cannot read the bag " + path_ + ": " + reason + "; try rosbag reindex");
-}
+void BagFile::fail(const std::string& reason) const { file_->fail(reason); }
 
 void BagFile::fail_at(std::uint64_t position) const {
   fail("the record at byte " + std::to_string(position) + " is damaged");
-}
-
-void BagFile::read_bytes(std::uint64_t position, void* to, std::size_t size) const {
-  auto* at = static_cast<std::uint8_t*>(to);
-  while (size > 0) {
-    const ssize_t got = ::pread(descriptor_, at, size, static_cast<off_t>(position));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail(std::strerror(errno));
-    if (got == 0) fail("its end is missing");
-    at += got;
-    position += static_cast<std::uint64_t>(got);
-    size -= static_cast<std::size_t>(got);
-  }
 }
 
 void BagFile::fail_chunk(std::uint64_t position) const {
@@ -153,16 +128,16 @@ BagFile::Record BagFile::record_at(std::uint64_t position) const {
   // Bytes; chosen: far above any header, whose fields are short.
   constexpr std::uint32_t kLongestHeader = 1'000'000;
   std::uint32_t length = 0;
-  if (position >= size_) fail("its end is missing");
-  read_bytes(position, &length, sizeof length);
+  if (position >= file_->size()) fail("its end is missing");
+  file_->read(position, &length, sizeof length);
   if (length > kLongestHeader) fail_at(position);
   std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
-  read_bytes(position + sizeof length, text.data(), text.size());
+  file_->read(position + sizeof length, text.data(), text.size());
   const auto fields = header_fields({text.data(), length});
   if (!fields) fail_at(position);
   const Record record{position, *fields, position + sizeof length + text.size(),
                       number_at<std::uint32_t>(text.data() + length)};
-  if (record.end() > size_) {
+  if (record.end() > file_->size()) {
     fail("its end is missing, within the record at byte " + std::to_string(position));
   }
   return record;
@@ -170,7 +145,7 @@ BagFile::Record BagFile::record_at(std::uint64_t position) const {
 
 void BagFile::read_index(const std::vector<std::string>* topics) {
   char version[kVersionLength] = {};
-  read_bytes(0, version, std::min<std::uint64_t>(size_, sizeof version));
+  file_->read(0, version, std::min<std::uint64_t>(file_->size(), sizeof version));
   if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
     throw FileError("cannot read the bag " + path_ +
                     ": it is no bag; rosbag info says what one holds");
@@ -218,7 +193,7 @@ void BagFile::add_connection(const Record& record, const std::vector<std::string
   };
   if (topics != nullptr && !is_wanted()) return;
   std::vector<std::uint8_t> text(record.size);
-  read_bytes(record.data, text.data(), text.size());
+  file_->read(record.data, text.data(), text.size());
   const auto fields = header_fields({text.data(), text.size()});
   if (!fields) fail_at(record.position);
   BagConnection& connection = connections_[record.number<std::uint32_t>(*this, "conn")];
@@ -232,7 +207,7 @@ void BagFile::add_connection(const Record& record, const std::vector<std::string
 /// The data of the record have the number of messages of each connection in the chunk.
 void BagFile::add_chunk(const Record& record) {
   std::vector<std::uint8_t> counts(record.size / 8 * 8);
-  read_bytes(record.data, counts.data(), counts.size());
+  file_->read(record.data, counts.data(), counts.size());
   bool is_wanted = false;
   for (std::size_t i = 0; i < counts.size(); i += 8) {
     const auto connection = connections_.find(number_at<std::uint32_t>(&counts[i]));
@@ -248,7 +223,7 @@ void BagFile::add_chunk(const Record& record) {
 std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) {
   std::vector<BagEntry> entries;
   const Record head = record_at(chunk.position);
-  ::posix_fadvise(descriptor_, static_cast<off_t>(head.end()), kAhead, POSIX_FADV_WILLNEED);
+  file_->prefetch(head.end(), kAhead);
   Record record = record_at(head.end());
   while (record.is(*this, kIndex)) {
     add_entries(record, entries);
@@ -266,7 +241,7 @@ void BagFile::add_entries(const Record& record, std::vector<BagEntry>& entries) 
   const auto connection = record.number<std::uint32_t>(*this, "conn");
   if (connections_.count(connection) == 0) return;
   std::vector<std::uint8_t> text(record.size / kEntry * kEntry);
-  read_bytes(record.data, text.data(), text.size());
+  file_->read(record.data, text.data(), text.size());
   for (std::size_t i = 0; i < text.size(); i += kEntry) {
     if (number_at<std::uint32_t>(&text[i + 4]) >= kNanosecondsPerSecond) fail_at(record.position);
     entries.push_back({time_at(&text[i]), number_at<std::uint32_t>(&text[i + 8]), connection});
@@ -285,11 +260,11 @@ ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
   content.bytes = memory.take(content.size);
   if (compression->second == "none") {
     if (record.size != content.size) fail_chunk(record.position);
-    read_bytes(record.data, content.bytes.get(), content.size);
+    file_->read(record.data, content.bytes.get(), content.size);
     return content;
   }
   compressed_.resize(std::max<std::size_t>(compressed_.size(), record.size));
-  read_bytes(record.data, compressed_.data(), record.size);
+  file_->read(record.data, compressed_.data(), record.size);
   try {
     decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
                content.size);

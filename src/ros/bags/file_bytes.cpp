@@ -13,11 +13,11 @@
 
 namespace lidar_mapping::ros_border {
 
-FileBytes::FileBytes(std::string path, std::string remedy)
-    : path_(std::move(path)), remedy_(std::move(remedy)) {
+FileBytes::FileBytes(std::string path, std::string kind, std::string remedy)
+    : path_(std::move(path)), kind_(std::move(kind)), remedy_(std::move(remedy)) {
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0) {
-    throw FileError("cannot read the recording " + path_ + ": " + std::strerror(errno) +
+    throw FileError("cannot read the " + kind_ + " " + path_ + ": " + std::strerror(errno) +
                     "; check its path and permissions");
   }
   struct stat status {};
@@ -47,8 +47,13 @@ std::vector<std::uint8_t> FileBytes::read(std::uint64_t position, std::uint64_t 
   return bytes;
 }
 
+void FileBytes::prefetch(std::uint64_t position, std::uint64_t size) const {
+  ::posix_fadvise(descriptor_, static_cast<off_t>(position), static_cast<off_t>(size),
+                  POSIX_FADV_WILLNEED);
+}
+
 std::string FileBytes::error(const std::string& reason) const {
-  return "cannot read the recording " + path_ + ": " + reason + "; " + remedy_;
+  return "cannot read the " + kind_ + " " + path_ + ": " + reason + "; " + remedy_;
 }
 
 void FileBytes::fail(const std::string& reason) const { throw FileError(error(reason)); }

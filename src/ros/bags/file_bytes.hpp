@@ -11,8 +11,9 @@ namespace lidar_mapping::ros_border {
 /// A recording that is read by positions.
 class FileBytes {
  public:
-  /// Throws FileError if it cannot be opened. `remedy` ends each error.
-  FileBytes(std::string path, std::string remedy);
+  /// Throws FileError if it cannot be opened. Each error names the file as a `kind` ("bag") and
+  /// ends with `remedy`.
+  FileBytes(std::string path, std::string kind, std::string remedy);
   ~FileBytes();
   FileBytes(const FileBytes&) = delete;
   FileBytes& operator=(const FileBytes&) = delete;
@@ -22,14 +23,17 @@ class FileBytes {
   /// Throws FileError if the file has no such bytes.
   void read(std::uint64_t position, void* to, std::size_t size) const;
   std::vector<std::uint8_t> read(std::uint64_t position, std::uint64_t size) const;
-  /// "cannot read the recording PATH: REASON; REMEDY".
+  /// Asks the system to read these bytes in advance.
+  void prefetch(std::uint64_t position, std::uint64_t size) const;
+  /// "cannot read the KIND PATH: REASON; REMEDY".
   std::string error(const std::string& reason) const;
-  /// Throws FileError of that text.
+  /// Throws FileError of that text, the second after "REASON at byte POSITION".
   [[noreturn]] void fail(const std::string& reason) const;
   [[noreturn]] void fail(const std::string& reason, std::uint64_t position) const;
 
  private:
   std::string path_;
+  std::string kind_;
   std::string remedy_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;

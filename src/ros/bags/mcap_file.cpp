@@ -38,7 +38,7 @@ McapFile::McapFile(const std::string& path, const std::vector<std::string>& topi
 
 /// Without a list of topics all are read.
 McapFile::McapFile(const std::string& path, const std::vector<std::string>* topics)
-    : path_(path), file_(std::make_unique<FileBytes>(path, kRemedy)) {
+    : path_(path), file_(std::make_unique<FileBytes>(path, "recording", kRemedy)) {
   const McapIndex index = mcap_index(*file_);
   missing_ = index.missing;
   add_connections(index, topics);

@@ -12,6 +12,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "clouds/ouster_metadata.hpp"
 
@@ -84,18 +85,9 @@ ImuSample imu_in(const BagMessage& message) {
   return preprocessing::ouster_imu(packet.first);
 }
 
-sensor_msgs::Imu message_of(const ImuSample& sample, const OusterClock& clock) {
-  sensor_msgs::Imu message;
-  message.header.stamp = to_ros(clock.to_ros(sample.stamp));
-  message.header.frame_id = kImuFrame;
-  message.orientation_covariance[0] = -1.0;  // by sensor_msgs/Imu: there is none
-  message.angular_velocity.x = sample.angular_velocity.x();
-  message.angular_velocity.y = sample.angular_velocity.y();
-  message.angular_velocity.z = sample.angular_velocity.z();
-  message.linear_acceleration.x = sample.linear_acceleration.x();
-  message.linear_acceleration.y = sample.linear_acceleration.y();
-  message.linear_acceleration.z = sample.linear_acceleration.z();
-  return message;
+sensor_msgs::Imu message_of(ImuSample sample, const OusterClock& clock) {
+  sample.stamp = clock.to_ros(sample.stamp);
+  return to_message(sample, kImuFrame);
 }
 
 /// The first text on the topic.
