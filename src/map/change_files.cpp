@@ -21,15 +21,6 @@ std::vector<Eigen::Vector3d> footprint(const Change& change) {
       {a.x(), a.y(), a.z()}, {b.x(), a.y(), a.z()}, {b.x(), b.y(), a.z()}, {a.x(), b.y(), a.z()}};
 }
 
-/// The instants between which it came or went: the end of the earlier visit and the beginning of
-/// the later one.
-std::pair<Stamp, Stamp> interval_of(const Change& change, const std::vector<Visit>& visits) {
-  const Visit& absent = visits[change.absent];
-  const Visit& present = visits[change.present];
-  return change.kind == ChangeKind::kAppeared ? std::make_pair(absent.end, present.begin)
-                                              : std::make_pair(present.end, absent.begin);
-}
-
 Json properties_of(const Change& change, std::size_t number, const std::vector<Visit>& visits) {
   const auto [after, before] = interval_of(change, visits);
   const Eigen::Vector3d size = change.high - change.low;
@@ -54,6 +45,13 @@ void append(const Change& change, std::size_t number, PointCloud& all) {
 }
 
 }  // namespace
+
+std::pair<Stamp, Stamp> interval_of(const Change& change, const std::vector<Visit>& visits) {
+  const Visit& absent = visits[change.absent];
+  const Visit& present = visits[change.present];
+  return change.kind == ChangeKind::kAppeared ? std::make_pair(absent.end, present.begin)
+                                              : std::make_pair(present.end, absent.begin);
+}
 
 Files write_changes(const std::vector<Change>& changes, const std::vector<Visit>& visits,
                     const std::optional<GeodeticDatum>& datum,

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/sensor_data.hpp"
@@ -10,6 +11,11 @@
 #include "lidar_mapping/moving_objects/change_list.hpp"
 
 namespace lidar_mapping::map {
+
+/// The instants between which something came or went: the end of the earlier visit and the
+/// beginning of the later one.
+std::pair<Stamp, Stamp> interval_of(const moving_objects::Change& change,
+                                    const std::vector<moving_objects::Visit>& visits);
 
 /// Writes changes.geojson, a footprint for each change with kind, size, height above the map's zero
 /// and the dates between which it happened, and changes.pcd with the points of all changes in the

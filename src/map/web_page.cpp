@@ -8,9 +8,11 @@
 #include <sstream>
 
 #include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 
+#include "change_files.hpp"
 #include "json.hpp"
 #include "millimetre_frame.hpp"
 #include "web_assets.hpp"
@@ -81,6 +83,34 @@ Json doubts_of(const DriveMarks& marks, const Places& places) {
   return list;
 }
 
+/// A corner of a box: bits 0 to 2 of `number` choose the upper end along x, y and z.
+Eigen::Vector3d corner_of(const moving_objects::Change& change, unsigned number) {
+  Eigen::Vector3d corner = change.low;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    if ((number >> axis & 1U) != 0) corner[axis] = change.high[axis];
+  }
+  return corner;
+}
+
+Json changes_of(const WebPage& page, const Places& places) {
+  Json list = Json::array();
+  for (const moving_objects::Change& change : page.changes) {
+    Json corners = Json::array();
+    for (unsigned number = 0; number < 8; ++number) {
+      corners.push_back(places.of(corner_of(change, number)));
+    }
+    const auto [after, before] = interval_of(change, page.visits);
+    const Eigen::Vector3d size = change.high - change.low;
+    list.push_back({{"number", list.size() + 1},
+                    {"kind", moving_objects::to_string(change.kind)},
+                    {"after", iso_date(after)},
+                    {"before", iso_date(before)},
+                    {"size", {rounded(size.x()), rounded(size.y()), rounded(size.z())}},
+                    {"corners", corners}});
+  }
+  return list;
+}
+
 /// A script that hands values to the page: scripts are all that a page opened as a file may read.
 std::string script(const char* name, const Json& value) {
   return std::string("window.lidarMap = window.lidarMap || {};\nlidarMap.") + name + " = " +
@@ -94,7 +124,8 @@ std::string marks_script(const WebPage& page) {
                 {"resolution", page.resolution},
                 {"drives", drives_of(page.marks, places)},
                 {"loops", loops_of(page.marks, places)},
-                {"doubts", doubts_of(page.marks, places)}};
+                {"doubts", doubts_of(page.marks, places)},
+                {"changes", changes_of(page, places)}};
   return script("marks", marks);
 }
 

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/drive_marks.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/map/map_files.hpp"
+#include "lidar_mapping/moving_objects/change_list.hpp"
 
 namespace lidar_mapping::map {
 
@@ -18,6 +19,8 @@ struct WebPage {
   std::optional<GeodeticDatum> datum;  ///< That of the tiles.
   double resolution = 0.0;             ///< Edge of the voxels of the map, m.
   DriveMarks marks;
+  std::vector<moving_objects::Change> changes;  ///< What came and went between the visits.
+  std::vector<moving_objects::Visit> visits;    ///< Those that the changes name.
 };
 
 /// The file of three.js that pages take along: the first that is there of the places where Debian's

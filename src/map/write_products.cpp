@@ -192,10 +192,17 @@ class ProductWriter {
                        [&](const std::filesystem::path& folder) {
                          map::write_ept(tiles(), ept, folder);
                          if (!is_selected("web")) return;
-                         const WebPage page{title(), options_.datum, config_.resolution, marks()};
-                         add_web_page(page, folder);
+                         add_web_page(web_page(), folder);
                        });
     has_tiles_of_levels_ = true;
+  }
+
+  WebPage web_page() {
+    WebPage page{title(), options_.datum, config_.resolution, marks(), {}, {}};
+    if (!current_clouds_ || products_.visits < 2) return page;
+    page.changes = current_clouds_->changes();
+    page.visits = current_clouds_->visits().visits();
+    return page;
   }
 
   /// The name of the session, in whose folder map/ its maps are; else that of the folder.

@@ -15,6 +15,7 @@ import http.server
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -169,6 +170,34 @@ def check_picking(browser, folder):
     check(all(a - 0.01 <= v <= b + 0.01 for a, v, b in zip(low, place, high)), f'{place} is outside of the map')
 
 
+def check_changes(browser):
+    """Each change is in the list and has its box, colour and dates; a click shows the layer and leads there."""
+    count = browser.value('lidarMap.marks.changes.length')
+    if count == 0:
+        return
+    buttons = json.loads(browser.value(
+        'JSON.stringify([...document.querySelectorAll("#changes button")].map(b => [b.className, b.textContent]))'))
+    check(len(buttons) == min(count, 200), f'{len(buttons)} of {count} changes are in the list')
+    for kind, text in buttons:
+        verb = {'appeared': 'came', 'disappeared': 'went'}[kind]
+        check(re.fullmatch(verb + r' \d{4}-\d\d-\d\d \d\d:\d\d to \d{4}-\d\d-\d\d \d\d:\d\d, [0-9. ×]+ m', text),
+              f'the list has "{text}" for what has {kind}')
+    corners = browser.value('lidarMap.page.overlay.groups.changes.children.reduce('
+                            '(sum, mesh) => sum + mesh.geometry.attributes.position.count, 0)')
+    check(corners == 12 * 4 * count, f'{corners} corners of lines for {count} boxes')
+    box = 'document.querySelector("[data-mark=changes]")'
+    check(browser.value(f'{box}.checked') is False, 'changes are shown before they are wanted')
+    browser.value('document.querySelector("#changes button").click(); lidarMap.page.draw()')
+    check(browser.value(f'{box}.checked') is True, 'a click in the list does not show the changes')
+    found = json.loads(browser.value(
+        '(() => { const page = lidarMap.page, at = page.camera.target.toArray().map((v, i) => v + page.origin[i]);'
+        ' return JSON.stringify([page.textAt(at), document.querySelector("#changes button").textContent]); })()'))
+    # Where boxes overlap, the smaller one is named.
+    check(any(found[0].endswith(text) for _, text in buttons), f'"{found[0]}" is said of the place of "{found[1]}"')
+    browser.value(f'{box}.click(); lidarMap.page.draw()')
+    check(browser.value('lidarMap.page.overlay.groups.changes.visible') is False, 'changes cannot be switched off')
+
+
 def check_degrees(browser, folder):
     """The corner of the map in degrees, as GDAL has it."""
     ept = json.loads((folder / 'ept.json').read_text())
@@ -218,6 +247,7 @@ def main():
                 return
             check_degrees(browser, folder)
             check_picking(browser, folder)
+            check_changes(browser)
             with served(folder) as address:
                 check_view_is_kept(browser, address)
             check_as_file(browser, folder)

@@ -44,6 +44,11 @@ WebPage example_page() {
   doubt.kind = "degenerate";
   doubt.way_map = {{5.0, 5.0, 1.0}, {8.0, 8.0, 1.0}};
   page.marks.doubts = {doubt};
+  constexpr Stamp kDay = 86'400'000'000'000;
+  using moving_objects::ChangeKind;
+  page.visits = {{0, kDay / 4}, {kDay, kDay + kDay / 4}, {2 * kDay, 2 * kDay}};
+  page.changes = {{ChangeKind::kAppeared, 0, 1, {10.0, 10.0, 0.0}, {14.0, 12.0, 1.5}, {}},
+                  {ChangeKind::kDisappeared, 2, 1, {20.0, 5.0, 0.0}, {21.0, 6.0, 3.0}, {}}};
   return page;
 }
 

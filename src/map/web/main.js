@@ -94,7 +94,7 @@
       this.camera = new lm.Camera(canvas, pick, changed);
       this.ruler = new lm.Ruler(canvas, document.getElementById('labels'), document.getElementById('ruler'), pick, changed);
       this.overlay = lm.markScene(marks, this.origin);
-      this.overlay.groups.loops.visible = false;
+      this.overlay.groups.loops.visible = this.overlay.groups.changes.visible = false;
       const b = tiles.ept.boundsConforming;
       this.size = Math.hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
       this.home(false);
@@ -146,11 +146,13 @@
         link: () => (navigator.clipboard ? navigator.clipboard.writeText(location.href) : Promise.reject(new Error('no clipboard'))),
       });
       lm.showTitle(this.marks, this.tiles);
-      lm.listDoubts(this.marks, this.origin, (middle, distance) => {
-        this.overlay.groups.doubts.visible = true;
+      const show = name => (middle, distance) => {
+        this.overlay.groups[name].visible = true;
         this.camera.flying = false;
         this.camera.goTo(middle, distance);
-      });
+      };
+      lm.listDoubts(this.marks, this.origin, show('doubts'));
+      lm.listChanges(this.marks, this.origin, show('changes'));
     }
 
     setMeasuring(on) {
@@ -183,9 +185,16 @@
         waiting = setTimeout(() => {
           waiting = null;
           const at = this.pick(event.clientX, event.clientY);
-          lm.showPlace(at ? lm.placeText(this.marks.epsg, at.toArray().map((v, i) => v + this.origin[i])) : '');
+          lm.showPlace(at ? this.textAt(at.toArray().map((v, i) => v + this.origin[i])) : '');
         }, 60);
       });
+    }
+
+    /** A place and, where changes are shown, what came or went there. */
+    textAt(place) {
+      const change = this.overlay.groups.changes.visible ? lm.changeAt(this.marks, place) : undefined;
+      const text = lm.placeText(this.marks.epsg, place);
+      return change ? `${text}   ${lm.changeText(change)}` : text;
     }
 
     tick(time) {
@@ -213,7 +222,9 @@
     showState() {
       const groups = this.overlay.groups;
       lm.showControls({colour: this.points.colour, flying: this.camera.flying, measuring: this.ruler.active,
-        budget: this.points.budget / 1e6, marks: {way: groups.way.visible, loops: groups.loops.visible, doubts: groups.doubts.visible}});
+        budget: this.points.budget / 1e6,
+        marks: {way: groups.way.visible, loops: groups.loops.visible, doubts: groups.doubts.visible,
+          changes: groups.changes.visible}});
       lm.showLegend(this.points, this.marks);
       lm.showLoad(this.points);
       // What a test reads: how many points are drawn, and when the first were.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is drawn over the points: ways, loops, doubtful stretches, the ruler.
+// What is drawn over the points: ways, loops, doubtful stretches, changes, the ruler.
 (function (lm) {
   'use strict';
 
@@ -64,11 +64,40 @@
     return way.slice(1).map((p, i) => [way[i], p]);
   }
 
+  /** The twelve edges of a box, whose corners are numbered by bits: 1 for x, 2 for y, 4 for z. */
+  function edgesOf(corners) {
+    const edges = [];
+    for (let i = 0; i < 8; ++i) {
+      for (const bit of [1, 2, 4]) if (!(i & bit)) edges.push([corners[i], corners[i | bit]]);
+    }
+    return edges;
+  }
+
+  const changeColours = {appeared: '#b6f25c', disappeared: '#ff4fd8'};
+
+  lm.changeText = function (change) {
+    const date = text => text.replace('T', ' ').slice(0, 16);
+    const verb = change.kind === 'appeared' ? 'came' : 'went';
+    return `${verb} ${date(change.after)} to ${date(change.before)}, ${change.size.map(v => v.toFixed(1)).join(' × ')} m`;
+  };
+
+  const kAround = 0.3;  // m, chosen: about a voxel of the list of changes
+
+  /** The smallest change in whose box a place lies, in the coordinates of the tiles; else none. */
+  lm.changeAt = function (marks, p) {
+    const inside = change => [0, 1, 2].every(axis => {
+      const values = change.corners.map(corner => corner[axis]);
+      return p[axis] > Math.min(...values) - kAround && p[axis] < Math.max(...values) + kAround;
+    });
+    const volume = change => change.size[0] * change.size[1] * change.size[2];
+    return marks.changes.filter(inside).sort((a, b) => volume(a) - volume(b))[0];
+  };
+
   /** A scene with a group for each kind of mark. */
   lm.markScene = function (marks, origin) {
     const local = p => p.map((v, i) => v - origin[i]);
     const scene = new THREE.Scene();
-    const groups = {way: new THREE.Group(), loops: new THREE.Group(), doubts: new THREE.Group()};
+    const groups = {way: new THREE.Group(), loops: new THREE.Group(), doubts: new THREE.Group(), changes: new THREE.Group()};
     marks.drives.forEach(drive => {
       const colour = marks.drives.length > 1 ? lm.driveColours[drive.number % lm.driveColours.length] : '#59b8ff';
       groups.way.add(lm.wideLines(segmentsOf(drive.way.map(local)), colour, 2.5, 0.9));
@@ -81,6 +110,10 @@
     for (const doubt of marks.doubts) {
       const way = doubt.way.length > 1 ? doubt.way : [doubt.way[0], doubt.way[0].map((v, i) => v + (i === 2 ? 2 : 0))];
       groups.doubts.add(lm.wideLines(segmentsOf(way.map(local)), doubt.trusted ? '#ffb454' : '#ff5a4d', 7, 0.85));
+    }
+    for (const kind of Object.keys(changeColours)) {
+      const edges = marks.changes.filter(c => c.kind === kind).flatMap(c => edgesOf(c.corners.map(local)));
+      groups.changes.add(lm.wideLines(edges, changeColours[kind], 2.5, 0.9));
     }
     for (const name of Object.keys(groups)) {
       groups[name].matrixAutoUpdate = false;

@@ -4,6 +4,7 @@
   'use strict';
 
   const kDoubts = 100;  // in the list; the worst come first
+  const kChanges = 200;  // in the list; the newest come first
   const $ = id => document.getElementById(id);
 
   lm.problem = function (error) {
@@ -23,7 +24,9 @@
     $('extent').textContent = `${big(tiles.ept.points)} points, ${(b[3] - b[0]).toFixed(0)} × ${(b[4] - b[1]).toFixed(0)} m`;
     $('loop-count').textContent = marks.loops.length;
     $('doubt-count').textContent = marks.doubts.length;
-    for (const [name, count] of [['loops', marks.loops.length], ['doubts', marks.doubts.length]]) {
+    $('change-count').textContent = marks.changes.length;
+    for (const name of ['loops', 'doubts', 'changes']) {
+      const count = marks[name].length;
       document.querySelector(`[data-mark=${name}]`).disabled = count === 0;
     }
   };
@@ -76,6 +79,21 @@
         go(new THREE.Vector3(...middle), Math.max(40, 1.5 * doubt.length));
       });
       $('doubts').append(button);
+    }
+  };
+
+  /** A button for each change; `go` gets its middle and how far from it the view should be. */
+  lm.listChanges = function (marks, origin, go) {
+    const sorted = [...marks.changes].sort((a, b) => (a.before < b.before ? 1 : -1)).slice(0, kChanges);
+    for (const change of sorted) {
+      const button = document.createElement('button');
+      button.textContent = lm.changeText(change);
+      button.className = change.kind;
+      button.addEventListener('click', () => {
+        const middle = change.corners[0].map((v, i) => (v + change.corners[7][i]) / 2 - origin[i]);
+        go(new THREE.Vector3(...middle), Math.max(25, 3 * Math.hypot(...change.size)));
+      });
+      $('changes').append(button);
     }
   };
 
