@@ -149,6 +149,18 @@ TEST(RangeImage, IsHitByAnyPixelOfTheWindow) {
   EXPECT_EQ(seen_at(cloud, at(0.6, 0.0, 11.0)), Seen::kNothing);
 }
 
+// Also by one on the other side of where the columns begin and end.
+TEST(RangeImage, IsHitByAPixelBeyondTheBorder) {
+  for (const double side : {-1.0, 1.0}) {
+    PointCloud cloud;
+    add_patch(cloud, 180.0 - 0.6 * side, 0.2, 20.0);
+    add_patch(cloud, 180.0 - 0.2 * side, 0.2, 8.0);
+    add_patch(cloud, 180.0 + 0.2 * side, 0.2, 14.0);
+    EXPECT_EQ(seen_at(cloud, at(180.0 - 0.2 * side, 0.0, 14.0)), Seen::kHit) << side;
+    EXPECT_EQ(seen_at(cloud, at(180.0 - 0.2 * side, 0.0, 11.0)), Seen::kNothing) << side;
+  }
+}
+
 TEST(RangeImage, IsSeenThroughUpToItsFarthestRange) {
   EXPECT_EQ(seen_at(wall_at(0.0, 500.0), at(0.0, 0.0, 90.0)), Seen::kThrough);
   EXPECT_EQ(seen_at(wall_at(0.0, 500.0), at(0.0, 0.0, 110.0)), Seen::kNothing) << "out of range";
