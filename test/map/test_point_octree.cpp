@@ -17,7 +17,7 @@ namespace {
 using Position = std::array<std::int32_t, 3>;
 using Nodes = std::map<OctreeKey, std::vector<StoredPoint>>;
 
-/// A street: most points lie on a level surface and a wall. Coordinates in mm.
+/// A street: most points lie on a level surface and a wall, a few far above. Coordinates in mm.
 std::vector<StoredPoint> street(std::size_t count) {
   std::mt19937 engine(2);
   std::uniform_int_distribution<std::int32_t> along(-40'000, 60'000), across(-9'000, 9'000);
@@ -27,6 +27,7 @@ std::vector<StoredPoint> street(std::size_t count) {
     StoredPoint point;
     point.position = {along(engine), across(engine), 0};
     if (i % 3 == 0) point.position = {point.position[0], 9'000, up(engine)};
+    if (i % 900 == 0) point.position[2] = 60'000;
     point.intensity = static_cast<float>(i);
     point.key_frame = static_cast<KeyFrameIndex>(i / 100);
     points.push_back(point);
