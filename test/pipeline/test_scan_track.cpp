@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Poses of scans between key frames. What is made of them is tested in test_scan_clouds.cpp.
+#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
