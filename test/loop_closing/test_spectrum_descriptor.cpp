@@ -4,6 +4,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/units.hpp"
