@@ -5,9 +5,11 @@
 Makes a map of each world from one drive, then localises other drives through it, from many starts: other traffic and
 parked cars, the opposite direction, another sensor. Errors are against the truth of the simulation, which no other
 program reads. Maps, bags and results stay in the folder, and what is there is not made again. The package must be
-built (LIDAR_MAPPING_BUILD: its build folder).
+built (LIDAR_MAPPING_BUILD: its build folder). With --cases the drives are interrupted instead (--cases all, or some of
+interrupted_drives.CASES): where, is drawn with --seeds.
 
 usage: measure_localization.py FOLDER [--worlds town twins] [--starts 6] [--seconds 15] [--table FILE]
+       measure_localization.py FOLDER --cases all [--worlds town city] [--lidars vlp16 os1_64] [--seeds 1 2]
 """
 import argparse
 import csv
@@ -15,22 +17,28 @@ import json
 import math
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 from typing import NamedTuple
 
 import numpy as np
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import interrupted_drives as interrupted  # noqa: E402
+from localization_truth import Trajectory, alignment, error_of  # noqa: E402
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = pathlib.Path(os.environ.get('LIDAR_MAPPING_BUILD', ROOT / '.build'))
 PROGRAMS = BUILD / 'devel/lib/lidar_mapping'
-WRONG_M, WRONG_DEG = 0.5, 2.0  # a pose that is farther off is wrong
 SOON = 3.0  # s, within which a place should be found
 SHORTER = 6.0  # s, by which another day's drive may end earlier than the mapping one
-GAP = 0.2  # s, between poses of the truth that are interpolated at most
 # Drive of simulate_drive and its seconds that are mapped: all of it.
 WORLDS = {'town': ('town', 160), 'twins': ('twins', 120), 'car_park': ('car_park', 175),
-          'figure_eight': ('figure_eight', 130), 'field': ('open_road', 100), 'hill': ('open_road', 100)}
+          'figure_eight': ('figure_eight', 130), 'field': ('open_road', 100), 'hill': ('open_road', 100),
+          'city': ('city', 200)}  # of the city the first 1.6 km
 SEEDS = {'hill': 3}  # another round of the hilly road than `field`
 MAPPING_LIDAR = 'os1_64'
 
@@ -56,90 +64,39 @@ def program(name, *words, statuses=(0,)):
     return run('nice', PROGRAMS / name, *words, statuses=statuses)
 
 
-class Trajectory(NamedTuple):
-    stamps: np.ndarray  # s
-    positions: np.ndarray  # m, a row for each
-    quaternions: np.ndarray  # x y z w
-
-    @staticmethod
-    def read(path):
-        rows = np.loadtxt(path, ndmin=2).reshape(-1, 8)
-        # Stamps relative to a whole second: doubles have no nanoseconds since 1970.
-        return Trajectory(rows[:, 0], rows[:, 1:4], rows[:, 4:8])
-
-
-def rotation_of(q):
-    x, y, z, w = q / np.linalg.norm(q)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-
-
-def at(trajectory, stamp):
-    """Position and rotation at a stamp, or nothing outside of the trajectory."""
-    i = int(np.searchsorted(trajectory.stamps, stamp))
-    if i < len(trajectory.stamps) and abs(trajectory.stamps[i] - stamp) < 1e-4:
-        return trajectory.positions[i], rotation_of(trajectory.quaternions[i])
-    if i > 0 and abs(trajectory.stamps[i - 1] - stamp) < 1e-4:
-        return trajectory.positions[i - 1], rotation_of(trajectory.quaternions[i - 1])
-    if i == 0 or i == len(trajectory.stamps) or trajectory.stamps[i] - trajectory.stamps[i - 1] > GAP:
-        return None
-    u = (stamp - trajectory.stamps[i - 1]) / (trajectory.stamps[i] - trajectory.stamps[i - 1])
-    a, b = trajectory.quaternions[i - 1], trajectory.quaternions[i]
-    q = (1 - u) * a + u * (b if a @ b > 0 else -b)
-    return (1 - u) * trajectory.positions[i - 1] + u * trajectory.positions[i], rotation_of(q)
-
-
-def alignment(truth, estimate):
-    """R, t with truth = R estimate + t (Umeyama 1991, without scale)."""
-    pairs = [(at(truth, stamp), p) for stamp, p in zip(estimate.stamps, estimate.positions)]
-    pairs = [(pose[0], p) for pose, p in pairs if pose is not None]
-    a, b = np.array([p for p, _ in pairs]), np.array([p for _, p in pairs])
-    u, _, vt = np.linalg.svd((a - a.mean(0)).T @ (b - b.mean(0)))
-    r = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-    return r, a.mean(0) - r @ b.mean(0)
-
-
-def angle_deg(r):
-    return math.degrees(math.acos(max(-1.0, min(1.0, (np.trace(r) - 1) / 2))))
-
-
-def error_of(row, truth, r_align, t_align):
-    """Error of a localised scan in the axes of base_link (m), its angle (degrees) and normalised square for each of
-    the axes of the translation; nothing where the truth has no pose."""
-    true = at(truth, float(row['stamp']))
-    if true is None:
-        return None
-    p = r_align @ np.array([float(row[c]) for c in 'xyz']) + t_align
-    r = r_align @ rotation_of(np.array([float(row[c]) for c in ('qx', 'qy', 'qz', 'qw')]))
-    error = r.T @ (true[0] - p)
-    sigma = np.array([float(row['stddev_' + c]) for c in 'xyz'])
-    return np.linalg.norm(error), angle_deg(r.T @ true[1]), float(np.mean((error / sigma) ** 2))
-
-
 class World:
     """The map of a world, and drives through it."""
 
-    def __init__(self, name, folder):
+    def __init__(self, name, seed, folder):
+        self.name = name
         self.drive, self.seconds = WORLDS[name]
-        self.seed = SEEDS.get(name, 1)
-        self.folder = folder / name
+        self.seed = seed or SEEDS.get(name, 1)
+        self.folder = folder / (f'{name}_{seed}' if seed else name)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.session = self.folder / 'map'
         if not (self.session / 'doubt.csv').exists():
             bag = self.simulated('mapping', ('--lidar', MAPPING_LIDAR, '--duration', self.seconds))
             program('map_bag', bag, '-o', self.session, '--no-map', '--allow-doubt')
             bag.unlink()
-        self.align = alignment(Trajectory.read(self.folder / 'mapping.tum'),
-                               Trajectory.read(self.session / 'trajectory/optimized.tum'))
+        self.truth = Trajectory.read(self.folder / 'mapping.tum')
+        self.align = alignment(self.truth, Trajectory.read(self.session / 'trajectory/optimized.tum'))
+
+    def words(self, words):
+        if self.drive == 'open_road':  # no car is parked there
+            words = tuple(w for i, w in enumerate(words) if '--parked' not in words[max(0, i - 1):i + 1])
+        return ('--drive', self.drive, '--seed', self.seed, *words,
+                *(('--rounds', 1) if self.drive == 'city' else ()))
 
     def simulated(self, name, words):
         bag = self.folder / f'{name}.bag'
-        if self.drive == 'open_road':  # no car is parked there
-            words = tuple(w for i, w in enumerate(words) if '--parked' not in words[max(0, i - 1):i + 1])
-        program('simulate_drive', bag, '--drive', self.drive, '--seed', self.seed, '--truth',
-                self.folder / f'{name}.tum', '--force', *words)
+        program('simulate_drive', bag, '--truth', self.folder / f'{name}.tum', '--force', *self.words(words))
         return bag
+
+    def truth_of(self, name, words):
+        """Of a whole drive, whose measurements are not simulated."""
+        path = self.folder / f'{name}.tum'
+        program('simulate_drive', '--truth', path, '--force', *self.words(words))
+        return Trajectory.read(path)
 
     def localised(self, drive, start, seconds):
         """Rows, figures and truth of a part of a drive, which is simulated alone."""
@@ -149,15 +106,52 @@ class World:
             bag = self.simulated(name, (*drive.words, '--start', start, '--duration', start + seconds))
             program('localize_bag', bag, self.session, '-o', self.folder / name, '--figures', figures, statuses=(0, 5))
             bag.unlink()
-        with open(self.folder / name / 'localization.csv') as file:
-            rows = list(csv.DictReader(file))
-        return rows, json.loads(figures.read_text()), Trajectory.read(self.folder / f'{name}.tum')
+        return (read_rows(self.folder / name), json.loads(figures.read_text()),
+                Trajectory.read(self.folder / f'{name}.tum'))
+
+    def places(self):
+        """Positions of the key frames, which are numbered from 0, in the simulated world."""
+        r, t = self.align
+        return Trajectory.read(self.session / 'trajectory/optimized.tum').positions @ r.T + t
 
     def starts(self, count, seconds):
         """Evenly over the drive, which lasts nearly as long on each day."""
-        stamps = Trajectory.read(self.folder / 'mapping.tum').stamps
+        stamps = self.truth.stamps
         last = float(stamps[-1] - stamps[0]) - seconds - SHORTER
         return [round(i * last / max(1, count - 1)) for i in range(count)]
+
+
+def read_rows(folder):
+    with open(folder / 'localization.csv') as file:
+        return list(csv.DictReader(file))
+
+
+def interrupt(world, case, lidar, seed):
+    """Outcome of an interrupted drive of another day, and whether the interruption is sudden; nothing if the world
+    has no room for it."""
+    name = f'{case}_{lidar}_{seed}'
+    words = ('--lidar', lidar, '--pass', 100 + seed, '--parked', 100 + seed, '--no-gnss')
+    rng = interrupted.random_of(seed, case, world.name)
+    whole = world.truth_of(name, (*words, '--duration', world.seconds))
+    session = world.session
+    if case == interrupted.OUT_OF_MAP:
+        interruption, is_out = interrupted.out_of_the_map(whole, world.places(), rng)
+        session = world.folder / f'{name}_map'
+    else:
+        interruption = interrupted.CASES[case](whole, rng)
+    if interruption is None:
+        return None
+    bag, path = world.folder / f'{name}.bag', world.folder / name
+    if not bag.exists():
+        if session != world.session:
+            interrupted.without(world.session, session, np.flatnonzero(is_out))
+        truth = interrupted.join(world, name, words, interruption.pieces, bag)
+        np.savez(path.with_suffix('.npz'), *truth)
+    truth = Trajectory(*np.load(path.with_suffix('.npz')).values())
+    if path.exists():
+        shutil.rmtree(path)
+    program('localize_bag', bag, session, '-o', path, statuses=(0, 5))
+    return interrupted.judge(read_rows(path), truth, world.align, interruption), interruption.is_sudden
 
 
 def rms(values):
@@ -172,7 +166,6 @@ class Row:
         self.found, self.states = [], dict.fromkeys(('searching', 'following', 'beside_map', 'lost'), 0)
         self.errors, self.angles, self.squares = [], [], []
         self.wrong = 0  # starts with a wrong pose
-        self.beside_errors = []
         self.following, self.searching = [], []
 
     def add(self, rows, figures, truth, align):
@@ -182,16 +175,14 @@ class Row:
         wrong = 0
         for row in rows:
             self.states[row['state']] += 1
-            error = error_of(row, truth, *align) if row['x'] else None
+            error = error_of(row, truth, *align)
             if error is None:
                 continue
-            wrong += error[0] > WRONG_M or error[1] > WRONG_DEG
+            wrong += error.is_wrong()
             if row['state'] == 'following':
-                self.errors.append(error[0])
-                self.angles.append(error[1])
-                self.squares.append(error[2])
-            else:
-                self.beside_errors.append(error[0])
+                self.errors.append(error.metres)
+                self.angles.append(error.degrees)
+                self.squares.append(error.square)
         self.wrong += wrong > 0
         for kind, times in (('following', self.following), ('searching', self.searching)):
             if figures['milliseconds'][kind]:
@@ -221,33 +212,66 @@ HEAD = ['map', 'drive', 'starts', 'found within 3 s', 'found', 'with a wrong pos
         'greatest, cm', 'square / variance', 'followed / beside / lost, %', 'ms, mean / p99', 'searching: ms']
 
 
-def table(rows):
-    lines = ['| ' + ' | '.join(HEAD) + ' |', '|' + ' --- |' * len(HEAD)]
-    return '\n'.join(lines + ['| ' + ' | '.join(row.cells()) + ' |' for row in rows]) + '\n'
+def table(head, rows):
+    lines = ['| ' + ' | '.join(head) + ' |', '|' + ' --- |' * len(head)]
+    return '\n'.join(lines + ['| ' + ' | '.join(row) + ' |' for row in rows]) + '\n'
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('folder', type=pathlib.Path)
-    parser.add_argument('--worlds', nargs='+', default=list(WORLDS), choices=list(WORLDS))
-    parser.add_argument('--starts', type=int, default=6, help='of each drive, evenly over its length')
-    parser.add_argument('--seconds', type=float, default=15.0, help='that are localised from each start')
-    parser.add_argument('--table', type=pathlib.Path, help='write the table to this file')
-    given = parser.parse_args()
+def report(head, rows, given):
+    print(' | '.join(rows[-1]), flush=True)
+    if given.table:
+        given.table.write_text(table(head, rows))
+
+
+def measure_starts(given):
     rows = []
-    for name in given.worlds:
-        world = World(name, given.folder)
+    for name in given.worlds or [name for name in WORLDS if name != 'city']:
+        world = World(name, given.world_seed, given.folder)
         for drive in DRIVES:
             row = Row(name, drive.name)
             for start in world.starts(given.starts, given.seconds):
                 wrong = row.add(*world.localised(drive, start, given.seconds), world.align)
                 print(f'{name}, {drive.name}, from {start} s: found after {row.found[-1]:.1f} s, {wrong} wrong',
                       flush=True)
-            rows.append(row)
-            print(' | '.join(row.cells()), flush=True)
-            if given.table:
-                given.table.write_text(table(rows))
-    print(table(rows))
+            rows.append(row.cells())
+            report(HEAD, rows, given)
+    print(table(HEAD, rows))
+
+
+def measure_interruptions(given):
+    cases = list(interrupted.CASES) if given.cases == ['all'] else given.cases
+    rows = []
+    for name in given.worlds or ('town', 'city'):
+        world = World(name, given.world_seed, given.folder)
+        for case in cases:
+            for lidar in given.lidars:
+                outcomes = []
+                for seed in given.seeds:
+                    outcome = interrupt(world, case, lidar, seed)
+                    print(f'{name}, {case}, {lidar}, seed {seed}: {outcome}', flush=True)
+                    if outcome:
+                        outcomes.append(outcome)
+                if outcomes:
+                    rows.append(interrupted.cells(case, name, lidar, [o for o, _ in outcomes], outcomes[0][1]))
+                    report(interrupted.HEAD, rows, given)
+    print(table(interrupted.HEAD, rows))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('folder', type=pathlib.Path)
+    parser.add_argument('--worlds', nargs='+', choices=list(WORLDS))
+    parser.add_argument('--world-seed', type=int, help='of all worlds; their own ones if left out')
+    parser.add_argument('--starts', type=int, default=6, help='of each drive, evenly over its length')
+    parser.add_argument('--seconds', type=float, default=15.0, help='that are localised from each start')
+    parser.add_argument('--cases', nargs='+', choices=['all', *interrupted.CASES],
+                        help='interrupt the drives instead, in these ways')
+    parser.add_argument('--lidars', nargs='+', default=['vlp16', 'os1_64'], help='of interrupted drives')
+    parser.add_argument('--seeds', nargs='+', type=int, default=[1, 2],
+                        help='one interrupted drive each: its day, and where it is interrupted')
+    parser.add_argument('--table', type=pathlib.Path, help='write the table to this file')
+    given = parser.parse_args()
+    measure_interruptions(given) if given.cases else measure_starts(given)
 
 
 if __name__ == '__main__':
