@@ -31,6 +31,11 @@ void RecentScans::add(const PointCloud& cloud, const Pose& T_odom_base,
   p_base_lidar_ = p_base_lidar;
 }
 
+void RecentScans::clear() {
+  earlier_.clear();
+  newest_ = {};
+}
+
 loop_closing::PlaceQuery RecentScans::query() const {
   loop_closing::VoxelMeans voxels;
   voxels.reset(scan_leaf_);

@@ -17,7 +17,7 @@ class RecentScans {
   /// The newest scan in base_link, and its pose in a frame that odometry keeps.
   void add(const PointCloud& cloud, const Pose& T_odom_base, const Eigen::Vector3d& p_base_lidar);
   /// Forgets all scans.
-  void clear() { earlier_.clear(); }
+  void clear();
   /// The newest scan with those before it.
   loop_closing::PlaceQuery query() const;
   /// The newest scan alone, thinned as the key frames of the map.

@@ -74,8 +74,18 @@ TEST(RecentScans, JoinsScansThatAreSomeWayApart) {
   EXPECT_GT(query.surroundings.size(), alone * 5 / 4);
   EXPECT_EQ(query.scan.size(), recent.newest().size());
   EXPECT_EQ(query.p_base_lidar, ToyWorld::sensor());
+}
+
+// Odometry does not lead from a scan before an interruption to those after it.
+TEST(RecentScans, ForgetTheNewestScanToo) {
+  const ToyWorld world = make_town(100.0, 48.0, 3);
+  RecentScans recent(0.4, 0.4), fresh(0.4, 0.4);
+  recent.add(world.scan(planar(0.0, 0.0, 0.0), 1), planar(0.0, 0.0, 0.0), ToyWorld::sensor());
   recent.clear();
-  EXPECT_LE(recent.query().surroundings.size(), recent.newest().size());
+  for (RecentScans* scans : {&recent, &fresh}) {
+    scans->add(world.scan(planar(40.0, 0.0, 0.0), 2), planar(0.5, 0.0, 0.0), ToyWorld::sensor());
+  }
+  EXPECT_EQ(recent.query().surroundings.size(), fresh.query().surroundings.size());
 }
 
 }  // namespace
