@@ -8,6 +8,12 @@
 
 namespace lidar_mapping::localization {
 
+std::size_t Hypotheses::size() const {
+  return static_cast<std::size_t>(
+      std::count_if(all_.begin(), all_.end(),
+                    [](const Hypothesis& hypothesis) { return hypothesis.is_possible(); }));
+}
+
 const Hypothesis* Hypotheses::best() const {
   const auto best = std::max_element(
       all_.begin(), all_.end(),
@@ -33,7 +39,23 @@ void Hypotheses::update(const ScanPoints& points, MapSurfaces& map, MapMatcher& 
   all_.erase(std::remove_if(all_.begin(), all_.end(),
                             [](const Hypothesis& hypothesis) { return hypothesis.is_refuted(); }),
              all_.end());
+  compare(way);
   merge();
+}
+
+/// What all places leave unexplained, such as a truck beside the vehicle, tells nothing.
+void Hypotheses::compare(double way) {
+  double best = 0.0;
+  for (const Hypothesis& hypothesis : all_) {
+    best = std::max(best, hypothesis.match().agreement.agreement);
+  }
+  for (Hypothesis& hypothesis : all_) hypothesis.compare(best, way);
+  const auto least = std::min_element(
+      all_.begin(), all_.end(),
+      [](const Hypothesis& a, const Hypothesis& b) { return a.deficit() < b.deficit(); });
+  if (least == all_.end()) return;
+  const double that_of_best = least->deficit();
+  for (Hypothesis& hypothesis : all_) hypothesis.reduce_deficit(that_of_best);
 }
 
 /// Hypotheses that matches have led to one place become one.

@@ -7,11 +7,13 @@
 
 namespace lidar_mapping::localization {
 
-/// All places that are possible, none of them twice.
+/// All places that are possible, none of them twice. Those that explain the way worse than another
+/// one fall behind it; they are kept, so that they do not begin anew whenever they are found again.
 class Hypotheses {
  public:
   void clear() { all_.clear(); }
-  std::size_t size() const { return all_.size(); }
+  /// Number of the places that are possible.
+  std::size_t size() const;
   /// The most likely one; null if there is none.
   const Hypothesis* best() const;
   /// Probability that the most likely one is right: its odds among those of all and of none.
@@ -24,9 +26,11 @@ class Hypotheses {
   void verify(const PoseEstimate& verified);
   /// Keeps those within `distance` (m) of a pose, seen from above; none if none is.
   void keep_near(const Pose& T_map_base, double distance);
+  /// Also those that another place has left behind.
   const std::vector<Hypothesis>& all() const { return all_; }
 
  private:
+  void compare(double way);
   void merge();
 
   std::vector<Hypothesis> all_;

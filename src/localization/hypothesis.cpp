@@ -17,6 +17,18 @@ constexpr double kLeastCoverage = 0.4;
 /// wrong places have in a world of boxes (test_localization).
 constexpr double kAgreeing = 0.25;
 constexpr double kContradicting = 0.15;
+/// Points within 40 m that a scan needs, so that it can tell anything. Chosen: a scan has 500 and
+/// more, also of 16 beams in a field; a covered sensor has some tens.
+constexpr std::size_t kLeastPoints = 150;
+/// Share of the usual agreement below which something else is seen, also where that agrees in part:
+/// streets have walls on both sides and a road between. Chosen.
+constexpr double kUsualShare = 0.6;
+/// m over which the usual agreement is taken. Chosen: some houses.
+constexpr double kUsualWay = 20.0;
+/// m of agreement, and the agreement that each scan of it has, that confirm a place that no
+/// verification confirms, because too little stands there. Chosen.
+constexpr double kConfirmingWay = 30.0;
+constexpr double kConfirmingAgreement = 0.5;
 /// m: scans that far apart are independent evidence. Chosen: the edge of a voxel.
 constexpr double kIndependentWay = 1.0;
 /// Weight of a scan at rest, which sees nothing new but its noise. Chosen.
@@ -25,6 +37,15 @@ constexpr double kWeightAtRest = 0.1;
 constexpr double kOfAgreement = 1.5;
 constexpr double kOfContradiction = -1.0;
 constexpr double kOfUnknown = -0.02;
+constexpr double kOfRefusal = -0.2;  // where little stands, also right places are refused
+/// Differences of the agreement below this tell no places apart: cars were parked elsewhere.
+/// Chosen.
+constexpr double kSameAgreement = 0.15;
+/// Log odds for each metre on which another place explains all of the scan and this one nothing.
+/// Chosen: as if three objects for each ten metres were seen, which a house or a truck is.
+constexpr double kOfDifference = 0.4;
+/// Greatest deficit, so that a place can still become the best one.
+constexpr double kGreatestDeficit = 12.0;
 /// Bounds of the log odds, so that a place that was right for long can still be given up.
 constexpr double kLeast = -3.0;
 constexpr double kGreatest = 7.0;
@@ -33,10 +54,26 @@ constexpr double kGreatest = 7.0;
 constexpr double kStepNoise = 0.01;
 constexpr double kStepNoiseAngle = 0.03 * kRadPerDeg;
 
+double weight_of(double way) { return std::clamp(way / kIndependentWay, kWeightAtRest, 1.0); }
+
+double log_odds_of(Evidence evidence) {
+  switch (evidence) {
+    case Evidence::kAgrees:
+      return kOfAgreement;
+    case Evidence::kUnconfirmed:
+    case Evidence::kUnknown:
+      return kOfUnknown;
+    case Evidence::kContradicts:
+      break;
+  }
+  return kOfContradiction;
+}
+
 }  // namespace
 
 Evidence evidence_of(const MapMatch& match) {
   const Agreement& agreement = match.agreement;
+  if (agreement.points < kLeastPoints) return Evidence::kUnknown;
   if (agreement.coverage < kLeastCoverage) return Evidence::kUnknown;
   if (!match.converged || agreement.agreement < kContradicting) return Evidence::kContradicts;
   return agreement.agreement < kAgreeing ? Evidence::kUnknown : Evidence::kAgrees;
@@ -51,34 +88,50 @@ void Hypothesis::move(const Pose& T_previous_base, const Covariance6& covariance
 Evidence Hypothesis::update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher,
                             double way) {
   match_ = matcher.match(points, map, estimate_);
+  evidence_ = judged();
+  remember(way);
+  add(weight_of(way) * log_odds_of(evidence_));
+  if (evidence_ == Evidence::kAgrees) estimate_ = match_.estimate;
+  return evidence_;
+}
+
+/// Who was carried to another street may find a wall there, too.
+Evidence Hypothesis::judged() const {
   const Evidence evidence = evidence_of(match_);
-  const double weight = std::clamp(way / kIndependentWay, kWeightAtRest, 1.0);
-  switch (evidence) {
-    case Evidence::kAgrees:
-      add(weight * kOfAgreement);
-      estimate_ = match_.estimate;
-      break;
-    case Evidence::kUnknown:
-      add(weight * kOfUnknown);
-      break;
-    case Evidence::kContradicts:
-      add(weight * kOfContradiction);
-      break;
+  if (evidence != Evidence::kAgrees) return evidence;
+  if (match_.agreement.agreement < kUsualShare * usual_agreement_) return Evidence::kUnknown;
+  const bool is_confirmed = is_confirmed_ || agreeing_way_ > kConfirmingWay;
+  return is_confirmed ? Evidence::kAgrees : Evidence::kUnconfirmed;
+}
+
+void Hypothesis::remember(double way) {
+  const double agreement = match_.agreement.agreement;
+  if (match_.agreement.points >= kLeastPoints) {
+    usual_agreement_ += std::min(1.0, way / kUsualWay) * (agreement - usual_agreement_);
   }
-  return evidence;
+  if (evidence_ == Evidence::kUnknown || evidence_ == Evidence::kContradicts) is_confirmed_ = false;
+  const bool agrees = evidence_of(match_) == Evidence::kAgrees && agreement > kConfirmingAgreement;
+  agreeing_way_ = agrees ? agreeing_way_ + way : 0.0;
 }
 
 void Hypothesis::verify(const PoseEstimate& verified) {
   ++verifications_;
   add(kLogOddsOfVerification);
-  if (match_.converged && evidence_of(match_) == Evidence::kAgrees) return;
+  is_confirmed_ = true;
+  if (evidence_ == Evidence::kAgrees) return;
   estimate_ = verified;  // more certain than odometry alone
 }
 
-bool Hypothesis::is_refuted() const { return log_odds_ < 0.0; }
+void Hypothesis::refuse() { add(kOfRefusal); }
+
+void Hypothesis::compare(double best, double way) {
+  const double missing = std::max(0.0, best - match_.agreement.agreement - kSameAgreement);
+  deficit_ = std::min(deficit_ + weight_of(way) * kOfDifference * missing, kGreatestDeficit);
+}
 
 void Hypothesis::absorb(const Hypothesis& other) {
   log_odds_ = std::max(log_odds_, other.log_odds_);
+  deficit_ = std::min(deficit_, other.deficit_);
   verifications_ = std::max(verifications_, other.verifications_);
 }
 

@@ -7,12 +7,13 @@ namespace lidar_mapping::localization {
 
 /// What a scan says about a place.
 enum class Evidence {
-  kAgrees,      ///< the map shows what the scan sees
-  kUnknown,     ///< the map does not know what the scan sees
-  kContradicts  ///< the map shows something else
+  kAgrees,       ///< the map shows what the scan sees
+  kUnconfirmed,  ///< it does again, after it did not: to be verified
+  kUnknown,      ///< the map does not know what the scan sees, or the scan sees next to nothing
+  kContradicts   ///< the map shows something else
 };
 
-/// The evidence of a match.
+/// The evidence of a match alone; never kUnconfirmed.
 Evidence evidence_of(const MapMatch& match);
 
 /// A place where the vehicle may be, carried along by odometry and matched with the map.
@@ -28,23 +29,44 @@ class Hypothesis {
   /// Another verification led to this place.
   void verify(const PoseEstimate& verified);
 
+  /// A verification of the place failed.
+  void refuse();
+
   const PoseEstimate& estimate() const { return estimate_; }
   /// The last match.
   const MapMatch& match() const { return match_; }
+  /// What the last scan said.
+  Evidence evidence() const { return evidence_; }
   /// Logarithm of the odds that the place is right against that it is any other.
-  double log_odds() const { return log_odds_; }
+  double log_odds() const { return log_odds_ - deficit_; }
   int verifications() const { return verifications_; }
-  /// The evidence refutes the place.
-  bool is_refuted() const;
+  /// The map refutes the place: it is given up.
+  bool is_refuted() const { return log_odds_ < 0.0; }
+  /// The place is as good as any other that is known.
+  bool is_possible() const { return log_odds() >= 0.0; }
+  /// Another place explains more of the scan: its agreement is `best`. `way` as in update().
+  void compare(double best, double way);
+  /// By how much another place has explained the way better, as a logarithm of odds; 0 for the
+  /// best.
+  double deficit() const { return deficit_; }
+  /// Makes the deficit of the best place zero.
+  void reduce_deficit(double that_of_best) { deficit_ -= that_of_best; }
   /// Takes the greater belief of two hypotheses that became one.
   void absorb(const Hypothesis& other);
 
  private:
+  Evidence judged() const;
+  void remember(double way);
   void add(double evidence);
 
   PoseEstimate estimate_;
   MapMatch match_;
+  Evidence evidence_ = Evidence::kUnknown;
+  double usual_agreement_ = 0.0;  ///< where the map showed what was seen
+  double agreeing_way_ = 0.0;     ///< m, since the map last did not
+  bool is_confirmed_ = true;      ///< verified since then
   double log_odds_ = kLogOddsOfVerification;
+  double deficit_ = 0.0;
   int verifications_ = 1;
 
   /// Chosen: one of eight accepted matches without any knowledge of the place may be of another

@@ -23,18 +23,30 @@ constexpr double kMapNoiseAngle = 0.0009;
 
 double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
+/// m: standard deviation from which on a pose by odometry is worth nothing: a match does not find
+/// back from there. Chosen: half of a street and more.
+constexpr double kGreatestStddev = 5.0;
+
 std::string sentence(Evidence evidence, const Agreement& agreement) {
   const double shown = 100.0 * agreement.agreement;
-  const double coverage = 100.0 * agreement.coverage;
   switch (evidence) {
     case Evidence::kAgrees:
       return formatted("the map shows %.0f %% of what stands here", shown);
+    case Evidence::kUnconfirmed:
+      return formatted("the map shows %.0f %% of what stands here, to be confirmed; by odometry",
+                       shown);
     case Evidence::kUnknown:
-      return formatted("the map knows %.0f %% of the surroundings; by odometry", coverage);
     case Evidence::kContradicts:
       break;
   }
-  return formatted("the map shows %.0f %% of what stands here; by odometry", shown);
+  return formatted(
+      "the map knows %.0f %% of %zu points and shows %.0f %% of what stands here; by "
+      "odometry",
+      100.0 * agreement.coverage, agreement.points, shown);
+}
+
+double position_stddev(const PoseEstimate& estimate) {
+  return std::sqrt(estimate.covariance.diagonal().head<3>().maxCoeff());
 }
 
 }  // namespace
@@ -78,7 +90,7 @@ class Localizer::Impl {
     check(input.scan.stamp);
     const double way = move(input);
     const ScanPoints points = sampler_.sample(input.scan.cloud, input.p_base_lidar);
-    LocalizationResult result = found_ ? follow(points, way) : search(input, points, way);
+    LocalizationResult result = found_ ? follow(input, points, way) : search(input, points, way);
     result.stamp = input.scan.stamp;
     return result;
   }
@@ -111,17 +123,34 @@ class Localizer::Impl {
     return 0.0;
   }
 
-  LocalizationResult follow(const ScanPoints& points, double way) {
+  LocalizationResult follow(const LocalizerInput& input, const ScanPoints& points, double way) {
     const Evidence evidence = found_->update(points, map_.surfaces, matcher_, way);
+    if (evidence == Evidence::kUnconfirmed) confirm(input, way);
+    if (evidence == Evidence::kAgrees) finder_.restart();
     LocalizationResult result = described(*found_);
     result.reason = sentence(evidence, found_->match().agreement);
     result.state = evidence == Evidence::kAgrees ? LocalizationState::kFollowing
                                                  : LocalizationState::kBesideMap;
-    if (!found_->is_refuted()) return result;
-    give_up(result.reason);
+    if (position_stddev(found_->estimate()) > kGreatestStddev) {
+      give_up(formatted("the place is known to %.0f m only", kGreatestStddev));
+    } else if (found_->is_refuted()) {
+      give_up(result.reason);
+    }
+    if (found_) return result;
+    result.reason = *lost_because_;
     result.state = LocalizationState::kLost;
     result.hypotheses = 0;
     return result;
+  }
+
+  /// A wrong place may agree as well as one that odometry has led to, so it has to be verified
+  /// before it is followed again.
+  void confirm(const LocalizerInput& input, double way) {
+    const auto confirmed = finder_.confirm(input, found_->match().estimate.T_map_base, way);
+    if (confirmed.outcome == PlaceFinder::Confirmation::kRefused) found_->refuse();
+    if (confirmed.outcome == PlaceFinder::Confirmation::kAccepted) {
+      found_->verify(confirmed.verified);
+    }
   }
 
   void give_up(const std::string& reason) {

@@ -84,6 +84,7 @@ Agreement MapMatcher::agreement_at(const Pose& T_map_base, const ScanPoints& poi
   Agreement result;
   result.coverage = matcher_.evaluate(points.near, map.fine(), state, {}).overlap;
   result.agreement = matcher_.evaluate(judged, map.fine(), state, {}).quality;
+  result.points = points.near.size();
   return result;
 }
 

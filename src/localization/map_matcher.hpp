@@ -21,6 +21,7 @@ struct Agreement {
   double coverage = 0.0;
   /// Mean robust weight of the points above ground, 0 to 1; those in other voxels have none.
   double agreement = 0.0;
+  std::size_t points = 0;  ///< within 40 m
 };
 
 /// A scan matched with the map.

@@ -45,6 +45,8 @@ void PlaceFinder::restart() {
   claim_.reset();
   is_searching_ = false;
   searches_ = 0;
+  scans_ = 0;
+  way_ = 0.0;
 }
 
 void PlaceFinder::move(const Pose& T_previous_base, const Covariance6& covariance) {
@@ -67,23 +69,42 @@ std::optional<Hypothesis> PlaceFinder::search(const LocalizerInput& input, const
 
 bool PlaceFinder::is_search_due() const {
   if (is_searching_) return false;
-  return searches_ == 0 || way_ >= kSearchWay || scans_ >= kSearchScans;
+  return searches_ == 0 || has_gone_on();
 }
 
-/// Places that are possible already are verified again first; candidates for them are left out.
+/// A verification then sees the place from elsewhere, or with other noise.
+bool PlaceFinder::has_gone_on() const { return way_ >= kSearchWay || scans_ >= kSearchScans; }
+
+PlaceFinder::Confirmed PlaceFinder::confirm(const LocalizerInput& input, const Pose& T_map_base,
+                                            double way) {
+  way_ += way;
+  ++scans_;
+  if (!has_gone_on()) return {};
+  way_ = 0.0;
+  scans_ = 0;
+  recent_.add(input.scan.cloud, T_start_base_, input.p_base_lidar);
+  map_.places.set_query(recent_.query());
+  const auto verified = map_.places.verified(T_map_base);
+  if (!verified) return {Confirmation::kRefused, {}};
+  return {Confirmation::kAccepted, *verified};
+}
+
+/// Places that are possible already are verified again first; candidates for what is known are left
+/// out.
 void PlaceFinder::begin_search() {
   way_ = 0.0;
   scans_ = 0;
   is_searching_ = true;
-  for (const Hypothesis& known : hypotheses_.all()) {
-    candidates_.push_back(known.estimate().T_map_base);
+  std::vector<Pose> known;
+  for (const Hypothesis& hypothesis : hypotheses_.all()) {
+    known.push_back(hypothesis.estimate().T_map_base);
+    if (hypothesis.is_possible()) candidates_.push_back(known.back());
   }
   std::vector<Pose> found = map_.places.candidates(recent_.newest());
   if (claim_) {
     const auto near = map_.places.candidates_near(claim_->T_map_base, recent_.newest());
     found.insert(found.begin(), near.begin(), near.end());
   }
-  const std::vector<Pose> known(candidates_.begin(), candidates_.end());
   for (const Pose& pose : found) {
     const bool is_known = std::any_of(
         known.begin(), known.end(), [&](const Pose& other) { return is_same_place(other, pose); });
@@ -120,7 +141,7 @@ std::optional<Hypothesis> PlaceFinder::certain() const {
   if (best == nullptr || is_searching_ || claim_contradicts(*best)) return std::nullopt;
   if (best->verifications() < kLeastVerifications) return std::nullopt;
   if (hypotheses_.probability() < kCertain) return std::nullopt;
-  if (evidence_of(best->match()) != Evidence::kAgrees) return std::nullopt;
+  if (best->evidence() != Evidence::kAgrees) return std::nullopt;
   return *best;
 }
 

@@ -31,6 +31,18 @@ class PlaceFinder {
   std::optional<Hypothesis> search(const LocalizerInput& input, const ScanPoints& points,
                                    MapMatcher& matcher, double way);
 
+  enum class Confirmation {
+    kNotDue,   ///< the last one was less than a metre and five scans ago
+    kRefused,  ///< the verification does not accept the place
+    kAccepted
+  };
+  struct Confirmed {
+    Confirmation outcome = Confirmation::kNotDue;
+    PoseEstimate verified;  ///< if accepted
+  };
+  /// Verifies a place that is followed with this scan and those before it that were given here.
+  Confirmed confirm(const LocalizerInput& input, const Pose& T_map_base, double way);
+
   const Hypotheses& hypotheses() const { return hypotheses_; }
   /// Why no place is certain yet, in one sentence.
   std::string reason() const;
@@ -41,6 +53,7 @@ class PlaceFinder {
     int searches = 0;  ///< that ended since
   };
   bool is_search_due() const;
+  bool has_gone_on() const;
   void begin_search();
   void verify_some();
   void end_search();

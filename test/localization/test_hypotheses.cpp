@@ -53,10 +53,32 @@ TEST(Hypotheses, NearAClaimAreKept) {
   EXPECT_NEAR(hypotheses.best()->estimate().T_map_base.translation.x(), 100.0, 1e-9);
 }
 
-MapMatch match_with(double coverage, double agreement, bool converged = true) {
+TEST(Hypothesis, FallsBehindAPlaceThatExplainsMoreOfTheWay) {
+  Hypothesis left_the_map(at(0.0));
+  int metres = 0;
+  for (; left_the_map.is_possible() && metres < 100; ++metres) left_the_map.compare(0.7, 1.0);
+  EXPECT_GT(metres, 5);  // a truck beside the vehicle hides as much
+  EXPECT_LT(metres, 30);
+  EXPECT_FALSE(left_the_map.is_refuted());  // it would begin anew if it were found again
+  EXPECT_LT(left_the_map.log_odds(), 0.0);
+  left_the_map.reduce_deficit(left_the_map.deficit());
+  EXPECT_TRUE(left_the_map.is_possible());
+}
+
+TEST(Hypothesis, IsNotToldApartBySmallDifferencesNorByOneScanAtRest) {
+  Hypothesis alike(at(0.0));
+  for (int i = 0; i < 1000; ++i) alike.compare(0.14, 1.0);
+  EXPECT_EQ(alike.deficit(), 0.0);
+  alike.compare(0.7, 0.0);
+  EXPECT_GT(alike.deficit(), 0.0);
+  EXPECT_LT(alike.deficit(), 0.1);
+}
+
+MapMatch match_with(double coverage, double agreement, bool converged = true,
+                    std::size_t points = 500) {
   MapMatch match;
   match.converged = converged;
-  match.agreement = {coverage, agreement};
+  match.agreement = {coverage, agreement, points};
   return match;
 }
 
@@ -65,6 +87,7 @@ TEST(Evidence, IsWhatTheMapSays) {
   EXPECT_EQ(evidence_of(match_with(0.8, 0.1)), Evidence::kContradicts);
   EXPECT_EQ(evidence_of(match_with(0.1, 0.9)), Evidence::kUnknown);
   EXPECT_EQ(evidence_of(match_with(0.8, 0.7, false)), Evidence::kContradicts);
+  EXPECT_EQ(evidence_of(match_with(0.8, 0.7, true, 40)), Evidence::kUnknown);
 }
 
 }  // namespace

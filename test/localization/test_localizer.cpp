@@ -193,6 +193,30 @@ TEST_F(Twins, AreToldApartByAnInitialPoseOfAnotherHeight) {
   expect_right(results, path);
 }
 
+/// A town, and the same once more 400 m east.
+ToyWorld same_town_twice() {
+  ToyWorld world = make_town(120.0, kStreets, 5);
+  const std::vector<Box> first = world.boxes;
+  const Eigen::Vector3d east(400.0, 0.0, 0.0);
+  for (const Box& box : first) world.boxes.push_back({box.low + east, box.high + east});
+  return world;
+}
+
+TEST(Localizer, IsNotWhereTheMapEnded) {
+  const ToyWorld world = same_town_twice();
+  std::vector<Pose> mapped = along({{0.0, -100.0}, {0.0, 100.0}});
+  for (const Pose& pose : along({{400.0, -100.0}, {400.0, -50.0}})) mapped.push_back(pose);
+  ToyMap map(world, mapped);
+  Vehicle vehicle(world, map.index());
+  const auto path = line({0.0, -95.0}, {0.0, 95.0});
+  const auto results = vehicle.drive(path);
+  EXPECT_EQ(results[15].hypotheses, 2U) << results[15].reason;
+  const auto found = found_after(results);
+  ASSERT_TRUE(found.has_value()) << results.back().reason;
+  EXPECT_GT(path[*found].translation.y(), -50.0);
+  expect_right(results, path);
+}
+
 TEST(Localizer, IsNotMisledByAWrongInitialPose) {
   Vehicle vehicle(town(), town_map());
   vehicle.localizer().set_initial_pose(planar(48.0, 60.0, 1.57));
@@ -225,6 +249,76 @@ TEST(Localizer, NoticesThatItWasKidnappedAndFindsItselfAgain) {
   EXPECT_GT(count(results, LocalizationState::kLost), 0U);
   ASSERT_EQ(results.back().state, LocalizationState::kFollowing) << results.back().reason;
   EXPECT_TRUE(near(results.back().T_map_base, path.back(), 0.15, 0.01));
+}
+
+/// No scan is followed at a wrong pose.
+void expect_never_wrong_in_silence(const std::vector<LocalizationResult>& results,
+                                   const std::vector<Pose>& truth) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].state != LocalizationState::kFollowing) continue;
+    EXPECT_TRUE(near(results[i].T_map_base, truth[i], 0.3, 0.02))
+        << "scan " << i << ": " << results[i].reason;
+  }
+}
+
+/// At 8 m/s.
+std::vector<Pose> at_speed(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return along({from, to}, 0.8);
+}
+
+TEST(Localizer, IsNeverWrongInSilenceWhenItIsCarriedAlongItsStreet) {
+  for (const double metres : {12.0, 33.0, 60.0}) {
+    Vehicle vehicle(town(), town_map());
+    const auto before = at_speed({-85.0, 0.0}, {-60.0, 0.0});
+    ASSERT_TRUE(has_pose(vehicle.drive(before).back().state));
+    const auto path = at_speed({-60.0 + metres, 0.0}, {-15.0 + metres, 0.0});
+    std::vector<LocalizationResult> results{vehicle.go_to(path.front(), planar(0.8, 0.0, 0.0))};
+    for (std::size_t i = 1; i < path.size(); ++i) results.push_back(vehicle.go_to(path[i]));
+    EXPECT_NE(results.front().state, LocalizationState::kFollowing) << metres;
+    expect_never_wrong_in_silence(results, path);
+    EXPECT_EQ(results.back().state, LocalizationState::kFollowing)
+        << metres << ": " << results.back().reason;
+  }
+}
+
+TEST(Localizer, FindsItselfAgainAfterABlackOut) {
+  Vehicle vehicle(town(), town_map());
+  ASSERT_TRUE(has_pose(vehicle.drive(at_speed({-85.0, 0.0}, {-60.0, 0.0})).back().state));
+  vehicle.interrupt();  // five seconds without a scan
+  const auto path = at_speed({-20.0, 0.0}, {20.0, 0.0});
+  const auto results = vehicle.drive(path);
+  EXPECT_EQ(results.front().state, LocalizationState::kLost);
+  expect_never_wrong_in_silence(results, path);
+  EXPECT_EQ(results.back().state, LocalizationState::kFollowing) << results.back().reason;
+}
+
+// Odometry believes that it stands still.
+TEST(Localizer, ClaimsNothingThroughACoveredSensor) {
+  Vehicle vehicle(town(), town_map());
+  ASSERT_TRUE(has_pose(vehicle.drive(at_speed({-85.0, 0.0}, {-60.0, 0.0})).back().state));
+  vehicle.see_only(40);
+  std::vector<Pose> path = at_speed({-60.0, 0.0}, {-20.0, 0.0});
+  std::vector<LocalizationResult> results;
+  for (const Pose& pose : path) results.push_back(vehicle.go_to(pose, Pose::Identity()));
+  EXPECT_EQ(count(results, LocalizationState::kFollowing), 0U);
+  vehicle.see_only(1'000'000);
+  for (const Pose& pose : at_speed({-20.0, 0.0}, {20.0, 0.0})) {
+    path.push_back(pose);
+    results.push_back(vehicle.go_to(pose));
+  }
+  expect_never_wrong_in_silence(results, path);
+  EXPECT_EQ(results.back().state, LocalizationState::kFollowing) << results.back().reason;
+}
+
+TEST(Localizer, GivesUpAPlaceThatOdometryHasLeftUnknown) {
+  Vehicle vehicle(town(), town_map());
+  ASSERT_TRUE(has_pose(vehicle.drive(at_speed({-85.0, 0.0}, {-60.0, 0.0})).back().state));
+  vehicle.see_only(40);
+  vehicle.distrust_odometry(0.5);
+  const auto results = vehicle.drive(at_speed({-60.0, 0.0}, {60.0, 0.0}));
+  EXPECT_EQ(results.front().state, LocalizationState::kBesideMap);
+  EXPECT_EQ(results.back().state, LocalizationState::kLost);
+  EXPECT_NE(results.back().reason.find("known to 5 m only"), std::string::npos);
 }
 
 TEST(Localizer, SearchesAgainAfterAnInterruptionOfOdometry) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -52,9 +54,9 @@ class Vehicle {
   /// Goes on to a pose; odometry tells so, unless it is said to be another motion.
   LocalizationResult go_to(const Pose& truth, const std::optional<Pose>& felt = std::nullopt) {
     LocalizerInput input;
-    input.scan = {from_seconds(0.1 * ++scans_), world_.scan(truth, 1000U + seed())};
+    input.scan = {from_seconds(0.1 * ++scans_), seen_at(truth)};
     input.T_previous_base = felt.value_or(last_.inverse() * truth);
-    input.covariance = diagonal_covariance(0.01, 0.0005);
+    input.covariance = diagonal_covariance(sigma_, 0.0005);
     input.is_connected = is_connected_;
     input.p_base_lidar = ToyWorld::sensor();
     is_connected_ = true;
@@ -68,8 +70,19 @@ class Vehicle {
   }
   /// Odometry does not lead to the next scan.
   void interrupt() { is_connected_ = false; }
+  /// Odometry claims a motion with this standard deviation, m.
+  void distrust_odometry(double sigma) { sigma_ = sigma; }
+  /// The sensor is covered: scans have at most so many points.
+  void see_only(std::size_t points) { most_points_ = points; }
 
  private:
+  PointCloud seen_at(const Pose& truth) const {
+    PointCloud cloud = world_.scan(truth, 1000U + seed());
+    const std::size_t step = std::max<std::size_t>(1, cloud.size() / most_points_);
+    PointCloud seen;
+    for (std::size_t i = 0; i < cloud.size(); i += step) seen.points.push_back(cloud.points[i]);
+    return seen;
+  }
   std::uint32_t seed() const { return static_cast<std::uint32_t>(scans_); }
 
   const ToyWorld& world_;
@@ -77,6 +90,8 @@ class Vehicle {
   Pose last_;
   int scans_ = 0;
   bool is_connected_ = true;
+  double sigma_ = 0.01;  // m
+  std::size_t most_points_ = std::numeric_limits<std::size_t>::max();
 };
 
 }  // namespace lidar_mapping::localization::test
