@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
 #include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -27,6 +28,11 @@ using localization::LocalizationState;
 constexpr double kPathSpacing = 1.0;
 /// Poses of the path that are kept, so that memory is bounded. Chosen: the last two kilometres.
 constexpr std::size_t kLongestPath = 2000;
+
+/// s without a scan after which that is said, and between looks at it. Chosen: 15 periods of a
+/// LiDAR at 10 Hz, and said within 2 s.
+constexpr double kSilence = 1.5;
+constexpr double kWatchPeriod = 0.25;
 
 std::optional<Pose> initial_pose_of(const LocalizationNodeConfig& config) {
   if (!config.use_initial_pose) return std::nullopt;
@@ -64,12 +70,18 @@ LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
   advertise_topics();
   subscribe_all();
   advertise_services();
+  // The simulated time may stand still.
+  scan_watch_ = context.node.createWallTimer(
+      ros::WallDuration(kWatchPeriod), [this](const ros::WallTimerEvent&) {
+        context_.worker.post(requests_, [this] { watch_scans(); });
+      });
   if (config.map.empty()) return;
   loading_ = "reading the map " + config.map;
   loader_.post(loads_, [this, folder = config.map] { load_first(folder); });
 }
 
 LocalizationNode::~LocalizationNode() {
+  scan_watch_.stop();
   loader_.stop();  // callers that wait for an answer get an error
   service_spinner_.stop();
 }
@@ -152,9 +164,23 @@ void LocalizationNode::process(PairedScan&& paired) {
                            .value_or(Eigen::Vector3d::Zero());
   const LocalizationResult result = place_->localizer.process(input);
   const double seconds = time.seconds();
+  last_scan_ = ros::WallTime::now();
   if (localization::has_pose(result.state)) publish_pose(result, paired.T_odom_base);
   publish_status(result, seconds);
   report(result, seconds);
+}
+
+/// Who waits for the next pose has to know that none will come. The place itself is kept: how
+/// odometry goes on decides about it.
+void LocalizationNode::watch_scans() {
+  if (last_scan_.isZero() || (ros::WallTime::now() - last_scan_).toSec() < kSilence) return;
+  last_scan_ = {};
+  LocalizationResult silent;
+  silent.stamp = last_odometry_.value_or(0);
+  silent.state = LocalizationState::kLost;
+  silent.reason = formatted("no scan for %.1f s", kSilence);
+  publish_status(silent, 0.0);
+  report(silent, 0.0);
 }
 
 void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose& T_odom_base) {

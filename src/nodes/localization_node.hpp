@@ -10,6 +10,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
+#include <ros/wall_timer.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/localization/localizer.hpp"
@@ -25,7 +26,8 @@ namespace lidar_mapping::ros_border {
 
 /// Subscribed: current_scan and laser_odom of the front end, initialpose. Published: ~pose,
 /// localized_odom, localized_path, localization_status, localization_map (latched), tf map -> odom.
-/// Services: relocalize, load_map. Maps are read in a thread of their own; scans go on meanwhile.
+/// Services: relocalize, load_map. Says so when no scans come, by the wall clock. Maps are read in
+/// a thread of their own; scans go on meanwhile.
 class LocalizationNode {
  public:
   using Config = LocalizationNodeConfig;
@@ -50,6 +52,7 @@ class LocalizationNode {
   void add_scan(const sensor_msgs::PointCloud2& message);
   void set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void process_ready();
+  void watch_scans();
   void process(PairedScan&& paired);
   void publish_pose(const localization::LocalizationResult& result, const Pose& T_odom_base);
   void extend_path(const localization::LocalizationResult& result);
@@ -71,8 +74,9 @@ class LocalizationNode {
   std::optional<Pose> initial_pose_;    ///< that the first map is told
   std::string loading_ = "no map yet";  ///< why there is no place
   std::optional<Stamp> last_odometry_;  ///< newest one
-  geometry_msgs::Twist twist_;          ///< of the newest odometry
-  std::string state_;                   ///< that was logged last
+  ros::WallTime last_scan_;     ///< when the newest one was processed; zero: none, or that was said
+  geometry_msgs::Twist twist_;  ///< of the newest odometry
+  std::string state_;           ///< that was logged last
   KeyFramePoses path_;
   KeyFrameIndex next_path_index_ = 0;
   ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_;
@@ -83,6 +87,7 @@ class LocalizationNode {
   ros::CallbackQueue service_queue_;
   std::vector<ros::ServiceServer> services_;
   ros::AsyncSpinner service_spinner_{1, &service_queue_};
+  ros::WallTimer scan_watch_;
 };
 
 }  // namespace lidar_mapping::ros_border

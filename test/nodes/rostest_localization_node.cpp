@@ -165,6 +165,17 @@ TEST_F(LocalizationNode, SearchesAgainAndReadsAnotherMapWhenAsked) {
   EXPECT_EQ(last().state, "searching") << last().reason;
 }
 
+TEST_F(LocalizationNode, SaysThatNoScansCome) {
+  drive(30);
+  ASSERT_EQ(last().state, "following") << last().reason;
+  ASSERT_TRUE(wait_until([&] { return last().state == "lost"; })) << last().reason;
+  EXPECT_NE(last().reason.find("no scan for"), std::string::npos) << last().reason;
+  const std::size_t silent = status_.messages.size();
+  drive(10);
+  EXPECT_GT(status_.messages.size(), silent);
+  EXPECT_NE(last().reason.substr(0, 11), "no scan for");
+}
+
 TEST(LocalizationNodeAlone, EndsForAMapThatDoesNotExist) {
   NodeProcess node("localization_node", {"_map:=/no/such/session"});
   EXPECT_EQ(node.wait(), 1);
