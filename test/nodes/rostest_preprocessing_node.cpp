@@ -14,6 +14,7 @@ namespace lidar_mapping::test {
 namespace {
 
 using ros_border::from_ros;
+using ros_border::to_ros;
 
 /// A scan whose points have times, in a frame.
 sensor_msgs::PointCloud2 timed_yard(int step, Stamp late, const std::string& frame) {
