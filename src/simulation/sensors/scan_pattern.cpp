@@ -68,38 +68,24 @@ Eigen::Vector3d raster(const LidarModel& model, int column, int beam) {
                    (0.5 * kRasterRows - row - 0.5) * kRasterStep);
 }
 
-/// Sine and cosine of each angle, which all columns or all beams of a spinning sensor share.
-struct SineAndCosine {
-  double sine, cosine;
-
-  explicit SineAndCosine(double angle) : sine(std::sin(angle)), cosine(std::cos(angle)) {}
-};
-
-std::vector<Eigen::Vector3d> spinning(const LidarModel& model) {
-  const std::vector<SineAndCosine> elevations(model.elevations.begin(), model.elevations.end());
-  std::vector<Eigen::Vector3d> directions;
-  directions.reserve(model.ray_count());
-  for (int column = 0; column < model.columns; ++column) {
-    const SineAndCosine azimuth(column_azimuth(model, column));
-    for (const SineAndCosine& elevation : elevations) {
-      directions.emplace_back(elevation.cosine * azimuth.cosine, elevation.cosine * azimuth.sine,
-                              elevation.sine);
-    }
-  }
-  return directions;
-}
-
 Eigen::Vector3d ray_direction(const LidarModel& model, std::size_t frame, int column, int beam) {
   const double since_start = static_cast<double>(frame) * model.columns + column;
-  if (model.pattern == ScanPattern::kSwinging) return swinging(model, since_start, beam);
-  if (model.pattern == ScanPattern::kRosette) return rosette(model, since_start, beam);
-  return raster(model, column, beam);
+  switch (model.pattern) {
+    case ScanPattern::kSwinging:
+      return swinging(model, since_start, beam);
+    case ScanPattern::kRosette:
+      return rosette(model, since_start, beam);
+    case ScanPattern::kRaster:
+      return raster(model, column, beam);
+    case ScanPattern::kSpinning:
+      break;
+  }
+  return direction(column_azimuth(model, column), model.elevations[static_cast<std::size_t>(beam)]);
 }
 
 }  // namespace
 
 std::vector<Eigen::Vector3d> ray_directions(const LidarModel& model, std::size_t frame) {
-  if (model.pattern == ScanPattern::kSpinning) return spinning(model);
   std::vector<Eigen::Vector3d> directions;
   directions.reserve(model.ray_count());
   for (int column = 0; column < model.columns; ++column) {
