@@ -103,14 +103,20 @@ TEST_F(SecondScan, IsMatchedAtAnySpeed) {
   EXPECT_TRUE(found.degenerate_directions.empty());
 }
 
-// Fifteen scans were lost. The vehicle brakes and turns meanwhile, so that the first scan is
-// deskewed with a twist that is a little wrong.
+// Up to fifteen scans were lost. The vehicle brakes and turns meanwhile, so that the first scan is
+// deskewed with a twist that is a little wrong. Found is a pose within a voxel of the truth, from
+// which the next scans converge; how near depends on the last bits of the simulated ranges, which
+// processors compute differently.
 TEST_F(SecondScan, IsFoundFarFromTheFirstOne) {
-  second_ = 16;
-  const MotionState truth = from_start(second().truth);
-  ASSERT_GT((truth.T_map_sensor.translation - kStart.translation).norm(), 8.0);
-  start(true);
-  EXPECT_TRUE(test::near(match().match.state.T_map_sensor, truth.T_map_sensor, 0.5, 0.05));
+  for (const std::size_t second : {10U, 12U, 14U, 16U}) {
+    second_ = second;
+    map_ = empty_map();
+    const MotionState truth = from_start(this->second().truth);
+    ASSERT_GT((truth.T_map_sensor.translation - kStart.translation).norm(), 5.0);
+    start(true);
+    EXPECT_TRUE(test::near(match().match.state.T_map_sensor, truth.T_map_sensor, 1.0, 0.05))
+        << second;
+  }
 }
 
 TEST_F(SecondScan, LeavesTheFirstOneDeskewedInTheMap) {
