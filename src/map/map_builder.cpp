@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include "tile_store.hpp"
 
@@ -55,7 +56,7 @@ class MapBuilder::Impl {
   }
 
   PointCloud build() {
-    missing_ = 0;
+    missing_.clear();
     const std::vector<KeyFrameIndex> changed = outdated_key_frames();
     const bool is_majority = static_cast<double>(changed.size()) >
                              kRebuildAllFraction * static_cast<double>(key_frames_.size());
@@ -77,7 +78,7 @@ class MapBuilder::Impl {
   const MapConfig config_;
   CloudSource& clouds_;
   std::uint64_t revision_ = 0;
-  std::size_t missing_ = 0;
+  std::set<KeyFrameIndex> missing_;  ///< Whose clouds the last build() has not got.
   std::size_t insertions_ = 0;
 
  private:
@@ -125,11 +126,16 @@ class MapBuilder::Impl {
     const KeyFrameIndex end = end_of_inserted();
     std::vector<KeyFrameIndex> appended;
     for (const KeyFrameIndex index : changed) {
-      if (index >= end) {
-        appended.push_back(index);
-      } else {
-        mark_tiles_stale(key_frames_.at(index), index);
+      KeyFrameEntry& key_frame = key_frames_.at(index);
+      if (index < end) {
+        mark_tiles_stale(key_frame, index);
+        continue;
       }
+      // It has tiles if its cloud was missing when some of them were rebuilt: the others still hold
+      // its points, which would be added once more.
+      stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
+      key_frame.tiles.clear();
+      appended.push_back(index);
     }
     if (!stale_tiles_.empty()) {
       tiles_.clear(stale_tiles_);
@@ -143,7 +149,7 @@ class MapBuilder::Impl {
   void mark_tiles_stale(KeyFrameEntry& key_frame, KeyFrameIndex index) {
     const PointCloudPtr cloud = clouds_.cloud(index);
     if (!cloud) {
-      ++missing_;
+      missing_.insert(index);
       return;
     }
     stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
@@ -186,7 +192,7 @@ class MapBuilder::Impl {
       for (std::size_t i = 0; i < count; ++i) {
         KeyFrameEntry& key_frame = key_frames_.at(indices[begin + i]);
         if (!clouds[i]) {
-          ++missing_;
+          missing_.insert(indices[begin + i]);
           key_frame.inserted_pose.reset();
           continue;
         }
@@ -220,7 +226,7 @@ PointCloud MapBuilder::build(double resolution) const {
   return build_map(impl_->poses(), impl_->clouds_, config);
 }
 
-std::size_t MapBuilder::missing_clouds() const { return impl_->missing_; }
+std::size_t MapBuilder::missing_clouds() const { return impl_->missing_.size(); }
 std::size_t MapBuilder::insertions() const { return impl_->insertions_; }
 
 PointCloud build_map(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config) {

@@ -214,6 +214,23 @@ TEST(MapBuilder, RequestsMissingCloudsAgain) {
   EXPECT_EQ(builder.missing_clouds(), 0U);
 }
 
+// The points of the last key frame are still in the tiles that are not rebuilt without its cloud.
+TEST(MapBuilder, AddsNoPointTwiceAfterACloudWasMissing) {
+  Drive drive(10, 5000);
+  MapBuilder builder(exact_config(), drive.clouds);
+  builder.update(drive.poses);
+  builder.build();
+  const PointCloudPtr last = drive.clouds.clouds[9];
+  drive.clouds.clouds.erase(9);
+  drive.move(0, {-0.3, 0.0, 0.0});
+  builder.update(drive.poses);
+  builder.build();
+  EXPECT_EQ(builder.missing_clouds(), 1U);
+  drive.clouds.clouds[9] = last;
+  expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, exact_config()));
+  EXPECT_EQ(builder.missing_clouds(), 0U);
+}
+
 TEST(MapBuilder, DoesNotDependOnTheNumberOfThreads) {
   Drive drive(20);
   MapConfig config = exact_config();
