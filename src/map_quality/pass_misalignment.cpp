@@ -110,7 +110,7 @@ class RevisitedSections {
       const std::size_t step = cloud->size() / points_per_member + 1;
       for (std::size_t i = 0; i < cloud->size(); i += step) {
         const Eigen::Vector3d p_base = cloud->points[i].position().cast<double>();
-        if (p_base.norm() > config_.max_range) continue;
+        if (!(p_base.norm() <= config_.max_range)) continue;  // also what is no number
         points.push_back({T_map_base * p_base - centre, T_map_base.rotation * beam_to(p_base)});
       }
     }
