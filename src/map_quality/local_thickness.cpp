@@ -30,6 +30,8 @@ constexpr double kMinGroupPoints = 5;
 /// Points of one group in a cell, and the sum of the outer products of their ray directions.
 struct Group {
   int number = 0;
+  /// Relative to the corner of the cell: far from the origin of the map, the squares of its
+  /// coordinates would leave nothing of a variance of millimetres.
   PointMoments points;
   Eigen::Matrix3d beams = Eigen::Matrix3d::Zero();
 };
@@ -57,9 +59,9 @@ Cells group_points_by_cell(const KeyFramePoses& poses, CloudSource& clouds,
       const Eigen::Vector3d beam = p - sensor;
       if (!(beam.squaredNorm() < config.max_range * config.max_range)) continue;
       const int number = static_cast<int>(i) / config.group_size;
-      const VoxelKey key = cell_key(p, kCell);
-      Group& group = group_in(cells[key], number);
-      group.points.add(p);
+      const VoxelIndex cell = voxel_index(p / kCell);
+      Group& group = group_in(cells[voxel_key(cell)], number);
+      group.points.add(p - kCell * cell.cast<double>());
       group.beams += beam * beam.transpose() / beam.squaredNorm();
     }
   }

@@ -129,6 +129,19 @@ TEST(LocalThickness, GrowsWithDistanceOfPasses) {
   EXPECT_GT(after, 2.0 * before);
 }
 
+// An odometry that begins at UTM coordinates.
+TEST(LocalThickness, IsTheSameFarFromTheOrigin) {
+  TwoPasses passes(displacement_by(0.0, 0.0, 0.0));
+  const LocalThickness near = local_thickness(passes.poses, passes, {});
+  for (KeyFramePose& pose : passes.poses.poses) {
+    pose.T_map_base.translation += Eigen::Vector3d(400'000.0, 5'400'000.0, 0.0);
+  }
+  const LocalThickness far = local_thickness(passes.poses, passes, {});
+  EXPECT_NEAR(far.ground.median, near.ground.median, 1e-4);
+  EXPECT_NEAR(far.walls.median, near.walls.median, 1e-4);
+  EXPECT_NEAR(far.planar_fraction, near.planar_fraction, 0.01);
+}
+
 TEST(MapEntropy, GrowsWithDistanceOfPasses) {
   TwoPasses good(displacement_by(0.0, 0.0, 0.0));
   TwoPasses displaced(displacement_by(0.0, 0.0, 0.1));
