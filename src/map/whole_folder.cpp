@@ -39,6 +39,7 @@ void write_whole_folder(const fs::path& directory, const char* mark, const char*
   }
   const fs::path target = fs::absolute(directory / ".").lexically_normal().parent_path();
   const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
+  std::error_code ignored;
   try {
     fs::remove_all(temporary);
     fs::create_directories(temporary);
@@ -46,9 +47,9 @@ void write_whole_folder(const fs::path& directory, const char* mark, const char*
     synchronise(temporary);
     replace_folder(temporary, target);
   } catch (const fs::filesystem_error& error) {
+    fs::remove_all(temporary, ignored);
     throw FileError("cannot write " + directory.string() + ": " + error.what());
-  } catch (const Error&) {
-    std::error_code ignored;
+  } catch (...) {
     fs::remove_all(temporary, ignored);
     throw;
   }

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
 #include <GeographicLib/LocalCartesian.hpp>
 #include <GeographicLib/UTMUPS.hpp>
@@ -17,6 +18,7 @@
 #include "map_products.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
+#include "whole_folder.hpp"
 
 namespace lidar_mapping::map {
 namespace {
@@ -80,6 +82,17 @@ TEST(SaveTiles, WritesAutowaresLayout) {
   std::ofstream(folder.path() / "foreign") << "x";
   EXPECT_THROW(save_tiles(pass_example_tiles, kTileSize, folder.path()), FileError);
   EXPECT_TRUE(fs::exists(folder.path() / "foreign"));
+}
+
+TEST(WholeFolder, IsNotThereAfterAnyException) {
+  const TemporaryFolder folder;
+  const auto fail = [](const fs::path& part) {
+    std::ofstream(part / "file") << "x";
+    throw std::out_of_range("a loop of no key frame");
+  };
+  EXPECT_THROW(write_whole_folder(folder.path() / "ept", "ept.json", "tiles", fail),
+               std::out_of_range);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 // Coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.
