@@ -33,9 +33,11 @@ struct Extent {
   Eigen::AlignedBox3f bounds;
 };
 
+/// Throws InputError like check_range().
 Extent extent_of(const CloudParts& map) {
   Extent extent;
   map.for_each([&](const PointCloud& part) {
+    check_range(part);
     extent.points += part.size();
     for (const Point& point : part.points) extent.bounds.extend(point.position());
   });
@@ -170,7 +172,6 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
   }
   const Extent extent = extent_of(map);
   if (extent.points == 0) throw InputError("the map has no points yet; drive first");
-  map.for_each(check_range);
   Files files{description_file};
   write_text_atomically(files.back(), to_yaml(extent, description));
   const auto write = [&] {

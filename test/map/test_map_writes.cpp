@@ -94,6 +94,8 @@ TEST(MapProducts, RejectFloatsFarFromTheOrigin) {
   PointCloud far;
   far.points = {{432'000.0F, 5'412'000.0F, 0.0F, 0.0F}};
   EXPECT_THROW(save_map(far, {}, folder.path(), {}), InputError);
+  EXPECT_THROW(write_pcd(folder.path() / "part.pcd", far), InputError);
+  EXPECT_THROW(write_ply(folder.path() / "part.ply", far), InputError);
   const Eigen::Vector3d corner(432'000.0, 5'412'000.0, 0.0);
   EXPECT_THROW(save_tiles(row_of_tiles(corner, 10), kTileSize, folder.path() / "tiles"),
                InputError);

@@ -51,9 +51,9 @@ void check_range(const PointCloud& cloud);
 
 /// Writes a binary PCD file with the fields x y z intensity. Up to two million points are
 /// compressed; larger maps are not, because compression needs all points in memory at once. Throws
-/// FileError.
+/// FileError, and InputError like check_range().
 void write_pcd(const std::filesystem::path& path, const CloudParts& map);
-/// Writes a binary PLY file with the same fields. Throws FileError.
+/// Writes a binary PLY file with the same fields. Throws like write_pcd().
 void write_ply(const std::filesystem::path& path, const CloudParts& map);
 
 /// Points of a tile in the map frame. Throws InputError like check_range().
