@@ -65,9 +65,13 @@ Files write_changes(const std::vector<Change>& changes, const std::vector<Visit>
     append(changes[i], i + 1, points);
   }
   Files files = {geojson.write("changes", features, directory)};
-  if (points.empty()) return files;
-  files.push_back(directory / "changes.pcd");
-  write_pcd(files.back(), points);
+  const std::filesystem::path points_file = directory / "changes.pcd";
+  if (points.empty()) {
+    std::filesystem::remove(points_file);
+    return files;
+  }
+  write_pcd(points_file, points);
+  files.push_back(points_file);
   return files;
 }
 

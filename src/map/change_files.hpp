@@ -20,7 +20,8 @@ std::pair<Stamp, Stamp> interval_of(const moving_objects::Change& change,
 /// Writes changes.geojson, a footprint for each change with kind, size, height above the map's zero
 /// and the dates between which it happened, and changes.pcd with the points of all changes in the
 /// map frame: their intensity is the number of the change, negative for what has disappeared.
-/// Without a datum the first file is named as that of write_geojson(). Throws FileError.
+/// Without changes there is no changes.pcd, nor one of an older map. Without a datum the first file
+/// is named as that of write_geojson(). Throws like write_pcd().
 Files write_changes(const std::vector<moving_objects::Change>& changes,
                     const std::vector<moving_objects::Visit>& visits,
                     const std::optional<GeodeticDatum>& datum,

@@ -330,9 +330,13 @@ class ProductWriter {
       all.points.insert(all.points.end(), part_in_map.points.begin(), part_in_map.points.end());
     }
     products_.removed = all.size();
-    if (all.empty()) return;
-    write_pcd(directory_ / "moving_objects.pcd", all);
-    add({directory_ / "moving_objects.pcd"});
+    const std::filesystem::path file = directory_ / "moving_objects.pcd";
+    if (all.empty()) {
+      std::filesystem::remove(file);  // it would be that of an older map
+      return;
+    }
+    write_pcd(file, all);
+    add({file});
   }
 
   void add(const Files& files) {

@@ -82,10 +82,12 @@ TEST_F(ChangeFiles, HoldThePointsWithTheNumberOfTheirChange) {
 }
 
 TEST_F(ChangeFiles, AreAnEmptyLayerWhereNothingChanged) {
+  written(std::nullopt);
   const Files files = write_changes({}, {}, std::nullopt, folder_.path());
   ASSERT_EQ(files.size(), 1U);
   std::ifstream file(files.front());
   EXPECT_TRUE(nlohmann::json::parse(file)["features"].empty());
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "changes.pcd")) << "it is of another map";
 }
 
 }  // namespace
