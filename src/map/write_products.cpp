@@ -242,11 +242,11 @@ class ProductWriter {
         products_.points += tile.cloud.size();
         sink(tile);
       });
-      if (options_.crop && products_.points == 0) {
-        throw InputError("no point of the map lies in the box from " +
-                         text_of(options_.crop->min()) + " to " + text_of(options_.crop->max()) +
-                         "; map.yaml of the whole map tells its bounds");
-      }
+      if (products_.points > 0) return;
+      if (!options_.crop) throw InputError("the map has no points yet; drive first");
+      throw InputError("no point of the map lies in the box from " + text_of(options_.crop->min()) +
+                       " to " + text_of(options_.crop->max()) +
+                       "; map.yaml of the whole map tells its bounds");
     };
   }
 

@@ -94,6 +94,21 @@ TEST_F(MapFormats, ChangesNeedTheRaysOfTheLidar) {
   EXPECT_THROW(write_products(source_.poses, source_, {}, options, folder_.path()), InputError);
 }
 
+TEST_F(MapFormats, NeedPoints) {
+  class Nothing : public CloudSource {
+   public:
+    PointCloudPtr cloud(KeyFrameIndex) override { return nullptr; }
+  } nothing;
+  for (const std::string& format : writable_formats()) {
+    if (format == "geojson" || format == "changes") continue;
+    ProductOptions options;
+    options.formats = {format};
+    EXPECT_THROW(write_products(source_.poses, nothing, {}, options, folder_.path()), Error)
+        << format;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
 TEST_F(MapFormats, HelpAndErrorsListAllFormats) {
   std::string problem;
   try {
