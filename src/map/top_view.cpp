@@ -30,7 +30,7 @@ constexpr double kGroundCell = 8.0;
 // Fraction of the points of a cell that may lie below its ground. Chosen: wet roads and glass
 // mirror no more.
 constexpr double kGroundQuantile = 0.03;
-// Points from which the extent and the ground are computed. Chosen: bounds the memory (32 MB).
+// Points from which the extent and the ground are computed. Chosen: bounds the memory (64 MB).
 constexpr std::size_t kMaxSamples = 4'000'000;
 // Fraction of the points that may be stray ones on each side of the picture. Chosen: of a recorded
 // hall 0.01 % lie outside of its walls, through doors and by reflections.
@@ -100,13 +100,19 @@ struct Extent {
 
 /// Height of the ground in every cell.
 Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> ground) {
-  std::vector<std::vector<float>> heights(ground.values.size());
+  // By cell, because most cells of a wide map have no points.
+  std::vector<std::pair<std::size_t, float>> heights;
+  heights.reserve(std::min(extent.points, kMaxSamples));
   for_some_points(map, extent.points, [&](const Point& point) {
-    if (const auto position = ground.position(point)) heights[*position].push_back(point.z);
+    if (const auto position = ground.position(point)) heights.emplace_back(*position, point.z);
   });
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    if (heights[i].empty()) continue;
-    ground.values[i] = quantile_of_range(heights[i].begin(), heights[i].end(), kGroundQuantile);
+  std::sort(heights.begin(), heights.end());
+  for (auto begin = heights.begin(); begin != heights.end();) {
+    const std::size_t cell = begin->first;
+    const auto end = std::find_if(begin, heights.end(),
+                                  [&](const auto& height) { return height.first != cell; });
+    ground.values[cell] = quantile_of_range(begin, end, kGroundQuantile).second;
+    begin = end;
   }
   return ground;
 }
