@@ -6,29 +6,40 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::moving_objects {
 
 namespace {
 
-using Voxels = std::map<VoxelKey, std::uint32_t>;
+using Voxel = std::array<int, 3>;
+using Voxels = std::map<Voxel, std::uint32_t>;
 
 /// The visit that is nearer in time to the one in which the location was empty.
 std::uint32_t nearer(ChangeKind kind, std::uint32_t a, std::uint32_t b) {
   return kind == ChangeKind::kAppeared ? std::min(a, b) : std::max(a, b);
 }
 
+/// Adds a voxel that was occupied in this visit.
+void add_voxel(Voxels& voxels, const Voxel& voxel, ChangeKind kind, std::uint32_t visit) {
+  const auto [known, is_new] = voxels.emplace(voxel, visit);
+  if (!is_new) known->second = nearer(kind, known->second, visit);
+}
+
 /// Takes a voxel and all that touch it, directly or by others, out of `voxels`.
 Voxels taken_connected(Voxels& voxels) {
   Voxels taken;
-  std::vector<VoxelKey> next = {voxels.begin()->first};
+  std::vector<Voxel> next = {voxels.begin()->first};
   while (!next.empty()) {
-    const VoxelKey key = next.back();
+    const auto [x, y, z] = next.back();
     next.pop_back();
-    const auto found = voxels.find(key);
+    const auto found = voxels.find({x, y, z});
     if (found == voxels.end()) continue;
     taken.insert(*found);
     voxels.erase(found);
-    for_voxels_around(key, [&](VoxelKey neighbour) { next.push_back(neighbour); });
+    for (int n = 0; n < 27; ++n) {
+      next.push_back({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
+    }
   }
   return taken;
 }
@@ -42,8 +53,8 @@ Eigen::Vector2d mean_of(const PointCloud& points) {
 Change change_of(const Voxels& voxels, ChangeKind kind, std::uint32_t absent) {
   Change change{kind, absent, voxels.begin()->second, {}, {}, {}};
   Eigen::AlignedBox3d box;
-  for (const auto& [key, visit] : voxels) {
-    const Eigen::Vector3d low = ChangeList::kVoxel * voxel_index(key).cast<double>();
+  for (const auto& [voxel, visit] : voxels) {
+    const Eigen::Vector3d low = ChangeList::kVoxel * Eigen::Vector3d(voxel[0], voxel[1], voxel[2]);
     box.extend(low).extend((low.array() + ChangeList::kVoxel).matrix());
     const Eigen::Vector3f centre = (low.array() + 0.5 * ChangeList::kVoxel).cast<float>();
     change.points.points.push_back({centre.x(), centre.y(), centre.z(), 0.0F});
@@ -85,26 +96,22 @@ const char* to_string(ChangeKind kind) {
 }
 
 void ChangeList::add(const Eigen::Vector3d& p_map, const PointChange& change) {
-  const VoxelKey key = voxel_key(voxel_index(p_map / kVoxel));
-  const auto [voxel, is_new] = voxels_[{change.absent, change.kind}].emplace(key, change.present);
-  if (!is_new) voxel->second = nearer(change.kind, voxel->second, change.present);
+  const VoxelIndex voxel = voxel_index(p_map / kVoxel);
+  add_voxel(voxels_[{change.absent, change.kind}], {voxel.x(), voxel.y(), voxel.z()}, change.kind,
+            change.present);
 }
 
 void ChangeList::add(const ChangeList& other) {
-  for (const auto& [kind, voxels] : other.voxels_) {
-    Voxels& own = voxels_[kind];
-    for (const auto& [key, visit] : voxels) {
-      const auto [voxel, is_new] = own.emplace(key, visit);
-      if (!is_new) voxel->second = nearer(kind.kind, voxel->second, visit);
-    }
+  for (const auto& [what, voxels] : other.voxels_) {
+    for (const auto& [voxel, visit] : voxels) add_voxel(voxels_[what], voxel, what.second, visit);
   }
 }
 
 std::vector<Change> ChangeList::changes() const {
   std::vector<Change> changes;
-  for (auto [kind, voxels] : voxels_) {
+  for (auto [what, voxels] : voxels_) {
     while (!voxels.empty()) {
-      Change change = change_of(taken_connected(voxels), kind.kind, kind.absent);
+      Change change = change_of(taken_connected(voxels), what.second, what.first);
       if (is_listed(change)) changes.push_back(std::move(change));
     }
   }

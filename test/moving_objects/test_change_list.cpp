@@ -30,6 +30,17 @@ TEST(ChangeList, JoinsWhatTouches) {
   EXPECT_NEAR(changes[1].low.x(), 9.0, 1e-12);
 }
 
+// A map whose odometry began at UTM coordinates.
+TEST(ChangeList, KnowsPlacesFarFromTheOrigin) {
+  ChangeList list;
+  const Eigen::Vector3d corner(432'000.0, 5'412'000.0, -3.0);
+  add_wall(list, corner, 1.0, {ChangeKind::kAppeared, 0, 1});
+  const std::vector<Change> changes = list.changes();
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].low, corner);
+  EXPECT_EQ(changes[0].high, Eigen::Vector3d(corner + Eigen::Vector3d(1.0, 0.25, 1.0)));
+}
+
 TEST(ChangeList, KeepsApartWhatHappenedAtOtherTimes) {
   ChangeList list;
   add_wall(list, {0.0, 0.0, 0.0}, 1.0, {ChangeKind::kDisappeared, 4, 1});

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/moving_objects/current_clouds.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
-#include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/moving_objects/visits.hpp"
 
 namespace lidar_mapping::moving_objects {
@@ -61,18 +62,12 @@ class ChangeList {
   std::vector<Change> changes() const;
 
  private:
-  /// What happened between which visit and its neighbour in time.
-  struct Kind {
-    std::uint32_t absent = 0;
-    ChangeKind kind = ChangeKind::kAppeared;
-    bool operator<(const Kind& other) const {
-      return absent != other.absent ? absent < other.absent : kind < other.kind;
-    }
-  };
-  /// Visit in which each voxel was occupied.
-  using Voxels = std::map<VoxelKey, std::uint32_t>;
+  /// Visit in which each voxel was occupied, by the numbers of the voxel along x, y and z. A key of
+  /// 64 bits would not tell apart voxels of a map that is far from its origin.
+  using Voxels = std::map<std::array<int, 3>, std::uint32_t>;
 
-  std::map<Kind, Voxels> voxels_;
+  /// By the visit that looked through, and by what happened.
+  std::map<std::pair<std::uint32_t, ChangeKind>, Voxels> voxels_;
 };
 
 }  // namespace lidar_mapping::moving_objects
