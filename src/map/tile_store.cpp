@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "lidar_mapping/common/parallel.hpp"
 
@@ -10,20 +11,23 @@ namespace lidar_mapping::map {
 
 namespace {
 
-bool is_finite(const Point& point) { return point.position().allFinite(); }
-
 /// The points to insert into a tile, cloud by cloud.
 struct TileInsertion {
   std::size_t points() const {
     return std::accumulate(
-        sorted_clouds.begin(), sorted_clouds.end(), std::size_t{0},
-        [](std::size_t sum, const std::vector<TilePoint>* part) { return sum + part->size(); });
+        parts.begin(), parts.end(), std::size_t{0},
+        [](std::size_t sum, const auto& part) { return sum + part.second->size(); });
   }
 
   VoxelTile* tile;
-  std::vector<const std::vector<TilePoint>*> sorted_clouds;
-  std::vector<KeyFrameIndex> key_frames;  ///< Of each cloud.
+  std::vector<std::pair<KeyFrameIndex, const std::vector<TilePoint>*>> parts;
 };
+
+std::vector<TileIndex> indices_of(const TileStore::PointsByTile& cloud) {
+  std::vector<TileIndex> indices;
+  for (const auto& [index, points] : cloud.tiles) indices.push_back(index);
+  return indices;
+}
 
 }  // namespace
 
@@ -34,18 +38,16 @@ std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<CloudWithPo
                                                    const std::set<TileIndex>* only) {
   const std::vector<PointsByTile> sorted_clouds = sort_into_tiles(clouds, only);
   insert(sorted_clouds);
-  std::vector<std::vector<TileIndex>> touched(clouds.size());
-  for (std::size_t i = 0; i < clouds.size(); ++i) {
-    for (const auto& [index, points] : sorted_clouds[i].tiles) touched[i].push_back(index);
-  }
+  std::vector<std::vector<TileIndex>> touched;
+  for (const PointsByTile& cloud : sorted_clouds) touched.push_back(indices_of(cloud));
   return touched;
 }
 
 std::vector<TileStore::PointsByTile> TileStore::sort_into_tiles(
     const std::vector<CloudWithPose>& clouds, const std::set<TileIndex>* only) const {
   std::vector<PointsByTile> sorted_clouds(clouds.size());
-  parallel_chunks(clouds.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) sorted_clouds[i] = points_by_tile(clouds[i], only);
+  parallel_chunks(clouds.size(), 1, threads_, [&](std::size_t i, std::size_t) {
+    sorted_clouds[i] = points_by_tile(clouds[i], only);
   });
   return sorted_clouds;
 }
@@ -54,8 +56,7 @@ void TileStore::insert(const std::vector<PointsByTile>& clouds) {
   std::map<TileIndex, TileInsertion> by_tile;
   for (const PointsByTile& cloud : clouds) {
     for (const auto& [index, points] : cloud.tiles) {
-      by_tile[index].sorted_clouds.push_back(&points);
-      by_tile[index].key_frames.push_back(cloud.key_frame);
+      by_tile[index].parts.emplace_back(cloud.key_frame, &points);
     }
   }
   std::vector<TileInsertion> work;
@@ -66,23 +67,15 @@ void TileStore::insert(const std::vector<PointsByTile>& clouds) {
   // Most points lie in few of the tiles: the largest tasks start first.
   std::sort(work.begin(), work.end(),
             [](const TileInsertion& a, const TileInsertion& b) { return a.points() > b.points(); });
-  parallel_chunks(work.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t cloud = 0; cloud < work[i].sorted_clouds.size(); ++cloud) {
-        work[i].tile->insert(*work[i].sorted_clouds[cloud], work[i].key_frames[cloud]);
-      }
+  parallel_chunks(work.size(), 1, threads_, [&](std::size_t i, std::size_t) {
+    for (const auto& [key_frame, points] : work[i].parts) {
+      work[i].tile->insert(*points, key_frame);
     }
   });
 }
 
 std::vector<TileIndex> TileStore::tiles_of(const CloudWithPose& cloud) const {
-  std::set<TileIndex> tiles;
-  for (const Point& point : cloud.cloud->points) {
-    if (!is_finite(point)) continue;
-    const Eigen::Vector3d p_map = cloud.T_map_base * point.position().cast<double>();
-    tiles.insert(grid_.square_of(grid_.voxel_of(p_map)).tile());
-  }
-  return {tiles.begin(), tiles.end()};
+  return indices_of(points_by_tile(cloud, nullptr));
 }
 
 TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
@@ -93,7 +86,7 @@ TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
   TileGrid::Square square;
   std::vector<TilePoint>* points = nullptr;  // null while the tile is not selected
   for (const Point& point : cloud.cloud->points) {
-    if (!is_finite(point)) continue;
+    if (!point.position().allFinite()) continue;
     const Eigen::Vector3d p_map =
         rotation * point.position().cast<double>() + cloud.T_map_base.translation;
     const TileGrid::WideVoxelIndex voxel = grid_.voxel_of(p_map);
