@@ -33,12 +33,11 @@ class TileAccumulator {
     ++batches_;
     load(parts);
     store_.insert(parts);
-    evict(kVoxelsInMemory);
+    evict();
   }
 
   /// Passes all tiles to `sink` in the order of their indices.
   void finish(const TileSink& sink) {
-    ++batches_;
     for (const auto& [index, batch] : last_use_) {
       if (!store_.contains(index)) store_.put(index, pages_.get(index));
       sink(store_.tile(index));
@@ -63,7 +62,7 @@ class TileAccumulator {
     for (std::size_t i = 0; i < stored.size(); ++i) store_.put(stored[i], std::move(tiles[i]));
   }
 
-  void evict(std::size_t limit) {
+  void evict() {
     std::size_t voxels = 0;
     std::vector<std::pair<std::size_t, TileIndex>> oldest;
     for (const auto& [index, batch] : last_use_) {
@@ -73,7 +72,7 @@ class TileAccumulator {
     }
     std::sort(oldest.begin(), oldest.end());
     for (const auto& [batch, index] : oldest) {
-      if (voxels <= limit) return;
+      if (voxels <= kVoxelsInMemory) return;
       const VoxelTile tile = store_.extract(index);
       voxels -= tile.size();
       pages_.put(index, tile);
