@@ -52,12 +52,4 @@ std::vector<TrackedKeyFrame> KeyFrameTrack::key_frames() const {
   return result;
 }
 
-Pose KeyFrameTrack::T_map_odom() const {
-  for (auto entry = optimized_.rbegin(); entry != optimized_.rend(); ++entry) {
-    const auto node = nodes_.find(entry->first);
-    if (node != nodes_.end()) return entry->second * node->second.T_odom_base.inverse();
-  }
-  return Pose::Identity();
-}
-
 }  // namespace lidar_mapping::map

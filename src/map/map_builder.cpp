@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/map/map_builder.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -68,18 +69,8 @@ class MapBuilder::Impl {
     return tiles_.merged_cloud();
   }
 
-  KeyFramePoses poses() const {
-    KeyFramePoses poses;
-    for (const auto& [index, key_frame] : key_frames_)
-      poses.poses.push_back({index, 0, key_frame.target_pose});
-    return poses;
-  }
-
-  const MapConfig config_;
-  CloudSource& clouds_;
   std::uint64_t revision_ = 0;
   std::set<KeyFrameIndex> missing_;  ///< Whose clouds the last build() has not got.
-  std::size_t insertions_ = 0;
 
  private:
   bool has_outdated_pose(const KeyFrameEntry& key_frame) const {
@@ -89,10 +80,7 @@ class MapBuilder::Impl {
 
   void remove_all_but(const KeyFramePoses& poses) {
     KeyFrameEntries remaining;
-    for (const KeyFramePose& pose : poses.poses) {
-      const auto key_frame = key_frames_.find(pose.index);
-      if (key_frame != key_frames_.end()) remaining.insert(key_frames_.extract(key_frame));
-    }
+    for (const KeyFramePose& pose : poses.poses) remaining.insert(key_frames_.extract(pose.index));
     for (const auto& [index, key_frame] : key_frames_) {
       stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
       ++revision_;
@@ -171,11 +159,9 @@ class MapBuilder::Impl {
     std::vector<KeyFrameIndex> found;
     for (const auto& [index, key_frame] : key_frames_) {
       if (index >= end || !key_frame.inserted_pose) continue;
-      for (const TileIndex& tile : key_frame.tiles) {
-        if (tiles.count(tile) == 0) continue;
-        found.push_back(index);
-        break;
-      }
+      const bool is_in = std::any_of(key_frame.tiles.begin(), key_frame.tiles.end(),
+                                     [&](const TileIndex& tile) { return tiles.count(tile) > 0; });
+      if (is_in) found.push_back(index);
     }
     return found;
   }
@@ -200,13 +186,14 @@ class MapBuilder::Impl {
         batch.push_back({indices[begin + i], clouds[i], *key_frame.inserted_pose});
         inserted.push_back(&key_frame);
       }
-      insertions_ += batch.size();
       const auto touched = tiles_.add(batch, only);
       if (only != nullptr) continue;
       for (std::size_t i = 0; i < inserted.size(); ++i) inserted[i]->tiles = touched[i];
     }
   }
 
+  const MapConfig config_;
+  CloudSource& clouds_;
   KeyFrameEntries key_frames_;
   std::set<TileIndex> stale_tiles_;
   TileStore tiles_;
@@ -220,14 +207,7 @@ void MapBuilder::update(const KeyFramePoses& poses) { impl_->update(poses); }
 std::uint64_t MapBuilder::revision() const { return impl_->revision_; }
 PointCloud MapBuilder::build() { return impl_->build(); }
 
-PointCloud MapBuilder::build(double resolution) const {
-  MapConfig config = impl_->config_;
-  config.resolution = resolution;
-  return build_map(impl_->poses(), impl_->clouds_, config);
-}
-
 std::size_t MapBuilder::missing_clouds() const { return impl_->missing_.size(); }
-std::size_t MapBuilder::insertions() const { return impl_->insertions_; }
 
 PointCloud build_map(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config) {
   MapBuilder builder(config, clouds);

@@ -36,8 +36,6 @@ class KeyFrameTrack {
   std::vector<TrackedKeyFrame> key_frames() const;
   /// Number of key frames.
   std::size_t size() const { return nodes_.size(); }
-  /// Correction of the newest key frame with an optimised pose; identity if there is none.
-  Pose T_map_odom() const;
 
  private:
   struct Node {

@@ -29,14 +29,8 @@ class MapBuilder {
   /// Builds the map in the map frame. Key frames whose cloud is missing are left out and counted;
   /// the next call asks for their clouds again.
   PointCloud build();
-  /// Builds the map from the newest poses with another edge of the voxels (m); the stored tiles
-  /// stay as they are.
-  PointCloud build(double resolution) const;
   /// Number of key frames that the last build() left out because their clouds were missing.
   std::size_t missing_clouds() const;
-  /// Number of key frames inserted into voxels so far, repetitions included: a measure of the work,
-  /// for tests.
-  std::size_t insertions() const;
 
  private:
   class Impl;
