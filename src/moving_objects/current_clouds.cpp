@@ -13,13 +13,6 @@
 
 namespace lidar_mapping::moving_objects {
 
-namespace {
-
-// Key frames that are processed together, one per thread. Chosen as for moving objects.
-constexpr std::size_t kBatchSize = 16;
-
-}  // namespace
-
 class CurrentClouds::Impl {
  public:
   Impl(CloudSource& observed, CloudSource& clouds, const KeyFramePoses& poses,
@@ -68,34 +61,30 @@ class CurrentClouds::Impl {
 
   /// Looks at the batch to which this key frame belongs.
   void mark_batch(Position position) {
-    const Position begin = position / kBatchSize * kBatchSize;
-    const Position end = std::min(observers_.poses().size(), begin + kBatchSize);
-    observers_.keep(observers_of(begin, end), {});
-    std::vector<KeyFrameIndex> indices;
-    for (Position i = begin; i < end; ++i) indices.push_back(observers_.poses()[i].index);
-    const std::vector<PointCloudPtr> clouds = clouds_.clouds(indices, config_.threads);
+    const Observers::Batch batch = observers_.batch_of(position);
+    observers_.keep(observers_of(batch));
+    const std::vector<PointCloudPtr> clouds = clouds_.clouds(batch.indices, config_.threads);
     std::vector<Result> results(clouds.size());
     parallel_chunks(clouds.size(), 1, config_.threads, [&](std::size_t i, std::size_t) {
-      if (clouds[i] && observers_.at(begin + i) != nullptr) {
-        results[i] = result_of(begin + i, *clouds[i]);
+      if (clouds[i] && observers_.at(batch.begin + i) != nullptr) {
+        results[i] = result_of(batch.begin + i, *clouds[i]);
       }
     });
     for (std::size_t i = 0; i < results.size(); ++i) {
-      marks_.put(begin + i, results[i].outdated);
+      marks_.put(batch.begin + i, results[i].outdated);
       outdated_ += results[i].outdated.size();
       changes_.add(results[i].changes);
     }
   }
 
   /// Those of the other visits near these key frames, and those that know the ground there.
-  std::set<Position> observers_of(Position begin, Position end) const {
+  std::set<Position> observers_of(const Observers::Batch& batch) const {
     std::set<Position> needed;
-    for (Position i = begin; i < end; ++i) {
+    for (Position i = batch.begin; i < batch.end; ++i) {
       for (const auto& [visit, positions] : other_visits_.near(i)) {
         needed.insert(positions.begin(), positions.end());
       }
-      const auto [first, last] = observers_.range_around(i, config_.neighbours);
-      for (Position j = first; j < last; ++j) needed.insert(j);
+      observers_.insert_neighbours(i, needed);
     }
     return needed;
   }

@@ -18,20 +18,9 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-// Key frames that are processed together, one per thread. Chosen: more need more memory, and few
-// processors have more cores.
-constexpr std::size_t kBatchSize = 16;
 // Fraction of the points that are isolated, from which on it rains or snows. Chosen: about a
 // hundred points of 64 beams, more than the tips of leaves give.
 constexpr double kMinRainFraction = 0.002;
-
-/// The whole numbers from `begin` to before `end`.
-template <typename Container>
-Container consecutive(std::size_t begin, std::size_t end) {
-  Container numbers;
-  for (std::size_t i = begin; i < end; ++i) numbers.insert(numbers.end(), i);
-  return numbers;
-}
 
 }  // namespace
 
@@ -66,25 +55,18 @@ class StaticClouds::Impl {
 
   /// Marks the moving points of the batch to which this key frame belongs.
   void mark_batch(Position position) {
-    const Position begin = position / kBatchSize * kBatchSize;
-    const Position end = std::min(observers_.poses().size(), begin + kBatchSize);
-    const Observers::Clouds clouds = update_observers(begin, end);
-    std::vector<Marks> marks(end - begin);
-    parallel_for(marks.size(), [&](std::size_t i) {
-      const auto cloud = clouds.find(begin + i);
-      if (cloud != clouds.end()) marks[i] = marks_of(begin + i, *cloud->second);
+    const Observers::Batch batch = observers_.batch_of(position);
+    std::set<Position> needed;
+    for (Position i = batch.begin; i < batch.end; ++i) observers_.insert_neighbours(i, needed);
+    observers_.keep(needed);
+    const std::vector<PointCloudPtr> clouds = clouds_.clouds(batch.indices, config_.threads);
+    std::vector<Marks> marks(clouds.size());
+    parallel_for(clouds.size(), [&](std::size_t i) {
+      if (clouds[i] && observers_.at(batch.begin + i) != nullptr) {
+        marks[i] = marks_of(batch.begin + i, *clouds[i]);
+      }
     });
-    for (std::size_t i = 0; i < marks.size(); ++i) marks_.put(begin + i, marks[i]);
-  }
-
-  /// Creates observers of the key frames around [begin, end) and deletes all others. Returns the
-  /// clouds of that range.
-  Observers::Clouds update_observers(Position begin, Position end) {
-    Observers::Clouds batch = observers_.load(consecutive<std::vector<Position>>(begin, end));
-    const Position first = observers_.range_around(begin, config_.neighbours).first;
-    const Position last = observers_.range_around(end - 1, config_.neighbours).second;
-    observers_.keep(consecutive<std::set<Position>>(first, last), batch);
-    return batch;
+    for (std::size_t i = 0; i < marks.size(); ++i) marks_.put(batch.begin + i, marks[i]);
   }
 
   Marks marks_of(Position position, const PointCloud& cloud) const {

@@ -10,6 +10,8 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
+// Key frames of a batch. Chosen: more need more memory, and few processors have more cores.
+constexpr std::size_t kBatchSize = 16;
 // Neighbours on each side whose points give the near ground. Chosen: 20 key frames cover the
 // surroundings of one, and farther ones see its ground from the other side of a crest.
 constexpr std::size_t kGroundNeighbours = 10;
@@ -30,44 +32,42 @@ std::optional<Observers::Position> Observers::position_of(KeyFrameIndex index) c
   return found->second;
 }
 
-Observers::Clouds Observers::load(const std::vector<Position>& positions) {
-  std::vector<KeyFrameIndex> indices;
-  for (const Position position : positions) indices.push_back(poses_[position].index);
-  const std::vector<PointCloudPtr> found = clouds_.clouds(indices, config_.threads);
-  Clouds clouds;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (found[i]) clouds.emplace(positions[i], found[i]);
-  }
-  return clouds;
+Observers::Batch Observers::batch_of(Position position) const {
+  const Position begin = position / kBatchSize * kBatchSize;
+  Batch batch{begin, std::min(poses_.size(), begin + kBatchSize), {}};
+  for (Position i = begin; i < batch.end; ++i) batch.indices.push_back(poses_[i].index);
+  return batch;
 }
 
-void Observers::keep(const std::set<Position>& positions, const Clouds& loaded) {
+void Observers::insert_neighbours(Position position, std::set<Position>& positions) const {
+  const auto [begin, end] = neighbours_of(position);
+  for (Position i = begin; i < end; ++i) positions.insert(i);
+}
+
+void Observers::keep(const std::set<Position>& positions) {
   for (auto observer = observers_.begin(); observer != observers_.end();) {
     observer =
         positions.count(observer->first) > 0 ? std::next(observer) : observers_.erase(observer);
   }
-  Clouds fresh;
   std::vector<Position> missing;
   for (const Position position : positions) {
-    if (observers_.count(position) > 0) continue;
-    const auto known = loaded.find(position);
-    if (known == loaded.end()) {
-      missing.push_back(position);
-    } else {
-      fresh.insert(*known);
-    }
+    if (observers_.count(position) == 0) missing.push_back(position);
   }
-  fresh.merge(load(missing));
-  add(fresh);
+  add(missing);
 }
 
-void Observers::add(const Clouds& clouds) {
-  const std::vector<std::pair<Position, PointCloudPtr>> list(clouds.begin(), clouds.end());
-  std::vector<std::unique_ptr<ObservingScan>> created(list.size());
-  parallel_chunks(list.size(), 1, config_.threads, [&](std::size_t i, std::size_t) {
-    created[i] = std::make_unique<ObservingScan>(observing_scan_of(list[i].first, *list[i].second));
+void Observers::add(const std::vector<Position>& positions) {
+  std::vector<KeyFrameIndex> indices;
+  for (const Position position : positions) indices.push_back(poses_[position].index);
+  const std::vector<PointCloudPtr> clouds = clouds_.clouds(indices, config_.threads);
+  std::vector<std::unique_ptr<ObservingScan>> created(clouds.size());
+  parallel_chunks(clouds.size(), 1, config_.threads, [&](std::size_t i, std::size_t) {
+    if (!clouds[i]) return;
+    created[i] = std::make_unique<ObservingScan>(observing_scan_of(positions[i], *clouds[i]));
   });
-  for (std::size_t i = 0; i < list.size(); ++i) observers_[list[i].first] = std::move(created[i]);
+  for (std::size_t i = 0; i < created.size(); ++i) {
+    if (created[i]) observers_[positions[i]] = std::move(created[i]);
+  }
 }
 
 ObservingScan Observers::observing_scan_of(Position position, const PointCloud& cloud) const {
@@ -82,16 +82,16 @@ const ObservingScan* Observers::at(Position position) const {
   return found == observers_.end() ? nullptr : found->second.get();
 }
 
-std::pair<Observers::Position, Observers::Position> Observers::range_around(Position position,
-                                                                            int distance) const {
-  const auto count = static_cast<Position>(distance);
+std::pair<Observers::Position, Observers::Position> Observers::neighbours_of(
+    Position position) const {
+  const auto count = static_cast<Position>(config_.neighbours);
   return {position > count ? position - count : 0, std::min(poses_.size(), position + count + 1)};
 }
 
 std::vector<Layer> Observers::layers(Position position, const TransformedPoints& points) const {
   GroundModels ground_models(points);
   ground_models.own.add(observers_.at(position)->ground);
-  const auto [begin, end] = range_around(position, config_.neighbours);
+  const auto [begin, end] = neighbours_of(position);
   for (Position i = begin; i < end; ++i) {
     const ObservingScan* observer = at(i);
     if (observer == nullptr) continue;

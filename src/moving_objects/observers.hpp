@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/cloud_source.hpp"
@@ -20,7 +21,12 @@ namespace lidar_mapping::moving_objects {
 class Observers {
  public:
   using Position = std::size_t;  ///< place of a key frame in the list of poses
-  using Clouds = std::map<Position, PointCloudPtr>;
+  /// Key frames that are processed together, one per thread.
+  struct Batch {
+    Position begin;
+    Position end;  ///< behind the last one
+    std::vector<KeyFrameIndex> indices;
+  };
 
   /// `clouds` must outlive this object; `p_base_sensor` is the position of the LiDAR in base_link,
   /// m.
@@ -31,22 +37,24 @@ class Observers {
   /// Position of a key frame; empty if it has no pose.
   std::optional<Position> position_of(KeyFrameIndex index) const;
 
-  /// The clouds of these key frames in base_link, without missing ones.
-  Clouds load(const std::vector<Position>& positions);
-  /// Keeps the observers at these positions and no others. Those that are new are made of `loaded`
-  /// or of the source's clouds.
-  void keep(const std::set<Position>& positions, const Clouds& loaded);
+  /// The batch to which a key frame belongs.
+  Batch batch_of(Position position) const;
+  /// Adds the neighbours of a key frame in the drive that vote on its points, and itself.
+  void insert_neighbours(Position position, std::set<Position>& positions) const;
+
+  /// Keeps the observers at these positions and no others.
+  void keep(const std::set<Position>& positions);
 
   /// The observer at this position; null if it is not kept or its cloud is missing.
   const ObservingScan* at(Position position) const;
-  /// Positions of the drive up to `distance` before and after this one.
-  std::pair<Position, Position> range_around(Position position, int distance) const;
   /// Layers of the points of a key frame that is kept, by the ground that it and those around it in
   /// the drive have observed.
   std::vector<Layer> layers(Position position, const TransformedPoints& points) const;
 
  private:
-  void add(const Clouds& clouds);
+  /// The first neighbour in the drive that votes, and the position behind the last one.
+  std::pair<Position, Position> neighbours_of(Position position) const;
+  void add(const std::vector<Position>& positions);
   ObservingScan observing_scan_of(Position position, const PointCloud& cloud) const;
 
   CloudSource& clouds_;
