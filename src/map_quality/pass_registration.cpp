@@ -222,57 +222,42 @@ void remove_shift(ObservedPoints& points, const Shift& shift) {
   }
 }
 
-class Registration {
- public:
-  Registration(const ObservedPoints& earlier, const ObservedPoints& later, bool sided)
-      : earlier_(earlier), later_(later), sided_(sided) {}
-
-  /// Registers from coarse to fine cells, which finds large displacements. If clearly more walls
-  /// agree after a registration with fine cells alone, that is the result: where surfaces stand in
-  /// rows, as cars do in a car park, coarse cells match one with the next.
-  PassShift best_shift() const {
-    const PassShift fine = register_with_cells({kFineCell});
-    const PassShift coarse_to_fine = register_with_cells({kCoarseCell, kFineCell});
-    if (!coarse_to_fine.is_known()) return fine;
-    const bool coarse_start_failed =
-        static_cast<double>(fine.agreeing_walls) >
-        kClearMajority * static_cast<double>(coarse_to_fine.agreeing_walls);
-    return coarse_start_failed ? fine : coarse_to_fine;
-  }
-
- private:
-  PassShift register_with_cells(std::initializer_list<double> cells) const {
-    PassShift result;
-    ObservedPoints later = later_;
-    for (const double cell : cells) {
-      const Planes planes = planes_of(earlier_, cell, kMinPointsEarlier);
-      for (int iteration = 0; iteration < kIterations; ++iteration) {
-        const auto pairs =
-            plane_pairs(planes, planes_of(later, cell, kMinPointsLater), cell, sided_);
-        result.planes = pairs.size();
-        if (!result.is_known()) return result;
-        const Shift step = solve(pairs, cell == kCoarseCell && iteration < kWideIterations);
-        result.residual = residual_of(pairs, step);
-        result.agreeing_walls = agreeing_walls(pairs, step);
-        result.shift += step;
-        remove_shift(later, step);
-        if (step.head<3>().norm() < kConverged) break;
-      }
+PassShift register_with_cells(const ObservedPoints& earlier, ObservedPoints later, bool sided,
+                              std::initializer_list<double> cells) {
+  PassShift result;
+  for (const double cell : cells) {
+    const Planes planes = planes_of(earlier, cell, kMinPointsEarlier);
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      const auto pairs = plane_pairs(planes, planes_of(later, cell, kMinPointsLater), cell, sided);
+      result.planes = pairs.size();
+      if (!result.is_known()) return result;
+      const Shift step = solve(pairs, cell == kCoarseCell && iteration < kWideIterations);
+      result.residual = residual_of(pairs, step);
+      result.agreeing_walls = agreeing_walls(pairs, step);
+      result.shift += step;
+      remove_shift(later, step);
+      if (step.head<3>().norm() < kConverged) break;
     }
-    return result;
   }
-
-  const ObservedPoints& earlier_;
-  const ObservedPoints& later_;
-  bool sided_;
-};
+  return result;
+}
 
 }  // namespace
 
 bool PassShift::is_known() const { return planes >= kMinPlanes; }
 
+// From coarse to fine cells, which finds large displacements. If clearly more walls agree after a
+// registration with fine cells alone, that is the result: where surfaces stand in rows, as cars do
+// in a car park, coarse cells match one with the next.
 PassShift register_passes(const ObservedPoints& earlier, const ObservedPoints& later, bool sided) {
-  return Registration(earlier, later, sided).best_shift();
+  const PassShift fine = register_with_cells(earlier, later, sided, {kFineCell});
+  const PassShift coarse_to_fine =
+      register_with_cells(earlier, later, sided, {kCoarseCell, kFineCell});
+  if (!coarse_to_fine.is_known()) return fine;
+  const bool coarse_start_failed =
+      static_cast<double>(fine.agreeing_walls) >
+      kClearMajority * static_cast<double>(coarse_to_fine.agreeing_walls);
+  return coarse_start_failed ? fine : coarse_to_fine;
 }
 
 }  // namespace lidar_mapping::map_quality
