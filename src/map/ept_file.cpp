@@ -141,6 +141,14 @@ class PointCollector {
   Statistics time_;
 };
 
+/// Without a temporary name: the whole folder gets its name at the end.
+void write_file(const fs::path& path, const std::string& content) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << content;
+  file.close();
+  if (!file) throw FileError("cannot write " + path.string() + "; check the free space");
+}
+
 template <typename Number>
 char* put(char* to, Number number) {
   std::memcpy(to, &number, sizeof number);
@@ -156,12 +164,7 @@ class NodeWriter {
   }
 
   void operator()(const OctreeKey& key, const std::vector<StoredPoint>& points) {
-    const std::vector<char> data = encoded(points);
-    const fs::path path = folder_ / (key.name() + ".bin");
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file.write(data.data(), static_cast<std::streamsize>(data.size()));
-    file.close();
-    if (!file) throw FileError("cannot write " + path.string() + "; check the free space");
+    write_file(folder_ / (key.name() + ".bin"), encoded(points));
     const std::lock_guard<std::mutex> lock(mutex_);
     counts_[key] = points.size();
   }
@@ -171,8 +174,8 @@ class NodeWriter {
  private:
   /// In the byte order of the format, which is little endian like every processor that this runs
   /// on.
-  std::vector<char> encoded(const std::vector<StoredPoint>& points) const {
-    std::vector<char> data(kPointBytes * points.size());
+  std::string encoded(const std::vector<StoredPoint>& points) const {
+    std::string data(kPointBytes * points.size(), '\0');
     char* to = data.data();
     for (const StoredPoint& point : points) {
       for (const std::int32_t coordinate : point.position) to = put(to, coordinate);
@@ -204,11 +207,7 @@ class Hierarchy {
   void write(const OctreeKey& root) const {
     Json nodes = Json::object();
     collect(root, root.depth, nodes);
-    const fs::path path = folder_ / (root.name() + ".json");
-    std::ofstream file(path, std::ios::trunc);
-    file << json::dumped(nodes) << "\n";
-    file.close();
-    if (!file) throw FileError("cannot write " + path.string() + "; check the free space");
+    write_file(folder_ / (root.name() + ".json"), json::dumped(nodes) + "\n");
   }
 
  private:
@@ -280,10 +279,7 @@ void write_ept(const TileSource& tiles, const EptOptions& options, const fs::pat
       points.take_points(), cube, options.octree, folder,
       [&](const OctreeKey& key, const std::vector<StoredPoint>& of_node) { nodes(key, of_node); });
   Hierarchy(nodes.counts(), folder / "ept-hierarchy").write({});
-  std::ofstream file(folder / "ept.json", std::ios::trunc);
-  file << json::dumped(description, 2) << "\n";
-  file.close();
-  if (!file) throw FileError("cannot write " + (folder / "ept.json").string());
+  write_file(folder / "ept.json", json::dumped(description, 2) + "\n");
 }
 
 }  // namespace lidar_mapping::map

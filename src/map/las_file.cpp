@@ -6,6 +6,8 @@
 #include <fstream>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
@@ -45,8 +47,7 @@ class Bytes {
 
 struct Extent {
   std::uint64_t points = 0;
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::AlignedBox3d box;
 };
 
 /// GeoTIFF keys: a projected system by its EPSG code, metres in all directions.
@@ -73,7 +74,7 @@ std::string header(const Extent& extent, const MillimetreFrame& frame) {
   bytes.add(points).add(points).text("", 16);
   for (int i = 0; i < 3; ++i) bytes.add(kMillimetre);
   for (int i = 0; i < 3; ++i) bytes.add(frame.offset()[i]);
-  for (int i = 0; i < 3; ++i) bytes.add(extent.high[i]).add(extent.low[i]);
+  for (int i = 0; i < 3; ++i) bytes.add(extent.box.max()[i]).add(extent.box.min()[i]);
   return bytes.data() + reference;
 }
 
@@ -87,8 +88,7 @@ class Writer {
     Bytes bytes;
     for (const Point& point : tile.cloud.points) {
       const Eigen::Vector3d p = frame_.projected(tile.origin + point.position().cast<double>());
-      extent_.low = extent_.low.cwiseMin(p);
-      extent_.high = extent_.high.cwiseMax(p);
+      extent_.box.extend(p);
       for (const std::int32_t coordinate : frame_.millimetres(p)) bytes.add(coordinate);
       const float intensity = std::clamp(point.intensity * intensity_scale_, 0.0F, 65535.0F);
       bytes.add(static_cast<std::uint16_t>(std::lround(intensity)));
