@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fstream>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
 #include "change_files.hpp"
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {
@@ -33,8 +32,7 @@ class ChangeFiles : public testing::Test {
     files_ =
         write_changes({change(ChangeKind::kAppeared, 0, 1), change(ChangeKind::kDisappeared, 2, 1)},
                       visits, datum, folder_.path());
-    std::ifstream file(files_.front());
-    return nlohmann::json::parse(file);
+    return nlohmann::json::parse(content_of(files_.front()));
   }
 
   test::TemporaryFolder folder_;
@@ -85,8 +83,7 @@ TEST_F(ChangeFiles, AreAnEmptyLayerWhereNothingChanged) {
   written(std::nullopt);
   const Files files = write_changes({}, {}, std::nullopt, folder_.path());
   ASSERT_EQ(files.size(), 1U);
-  std::ifstream file(files.front());
-  EXPECT_TRUE(nlohmann::json::parse(file)["features"].empty());
+  EXPECT_TRUE(nlohmann::json::parse(content_of(files.front()))["features"].empty());
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "changes.pcd")) << "it is of another map";
 }
 

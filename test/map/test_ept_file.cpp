@@ -14,6 +14,8 @@
 #include "lidar_mapping/map/map_builder.hpp"
 
 #include "ept_file.hpp"
+#include "file_content.hpp"
+#include "memory_clouds.hpp"
 #include "millimetre_frame.hpp"
 #include "temporary_folder.hpp"
 
@@ -104,8 +106,7 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
-    std::ifstream file(entry.path(), std::ios::binary);
-    files[fs::relative(entry.path(), folder)] = {std::istreambuf_iterator<char>(file), {}};
+    files[fs::relative(entry.path(), folder)] = content_of(entry.path());
   }
   return files;
 }
@@ -220,15 +221,9 @@ TEST(PointOctree, GivesEachCellOnePointOfALevel) {
 
 // The time and the drive of a point are those of the first key frame that saw its voxel.
 TEST(BuildTiles, KnowTheKeyFrameOfEachPoint) {
-  class TwoClouds : public CloudSource {
-   public:
-    PointCloudPtr cloud(KeyFrameIndex index) override {
-      auto cloud = std::make_shared<PointCloud>();
-      cloud->points = {{0.1F, 0.1F, 0.1F, 1.0F}};
-      if (index == 9) cloud->points.push_back({5.1F, 0.1F, 0.1F, 1.0F});
-      return cloud;
-    }
-  } clouds;
+  MemoryClouds clouds;
+  clouds.clouds[4] = cloud_of({{0.1F, 0.1F, 0.1F, 1.0F}});
+  clouds.clouds[9] = cloud_of({{0.1F, 0.1F, 0.1F, 1.0F}, {5.1F, 0.1F, 0.1F, 1.0F}});
   const KeyFramePoses poses{1, true, {{4, 40, Pose::Identity()}, {9, 90, Pose::Identity()}}};
   const TemporaryFolder folder;
   std::vector<KeyFrameIndex> key_frames;

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
-#include <memory>
 #include <random>
 #include <set>
 #include <vector>
@@ -12,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "free_space.hpp"
+#include "memory_clouds.hpp"
 
 namespace lidar_mapping::map {
 namespace {
@@ -19,15 +18,6 @@ namespace {
 using Cell = std::pair<int, int>;  // column, row
 
 const Eigen::Vector3d kSensor(0.0, 0.0, 1.5);  // in base_link
-
-class Clouds : public CloudSource {
- public:
-  PointCloudPtr cloud(KeyFrameIndex index) override {
-    const auto found = clouds.find(index);
-    return found == clouds.end() ? nullptr : found->second;
-  }
-  std::map<KeyFrameIndex, PointCloudPtr> clouds;
-};
 
 /// Level ground from zero to `length` along x and to `width` along y, m.
 PointCloud level_ground(double length, double width, float z = 0.0F) {
@@ -54,13 +44,13 @@ class Scene {
   void add(const Eigen::Vector3d& lidar, const std::vector<Eigen::Vector3d>& ends) {
     Pose T_map_base{exp_so3({0.0, 0.0, 0.4}), Eigen::Vector3d::Zero()};
     T_map_base.translation = lidar - T_map_base.rotation * kSensor;
-    auto cloud = std::make_shared<PointCloud>();
+    std::vector<Point> points;
     for (const Eigen::Vector3d& end : ends) {
       const Eigen::Vector3f p = (T_map_base.inverse() * end).cast<float>();
-      cloud->points.push_back({p.x(), p.y(), p.z(), 0.0F});
+      points.push_back({p.x(), p.y(), p.z(), 0.0F});
     }
     const auto index = static_cast<KeyFrameIndex>(poses_.poses.size());
-    clouds_.clouds[index] = cloud;
+    clouds_.clouds[index] = cloud_of(std::move(points));
     poses_.poses.push_back({index, Stamp{index}, T_map_base});
   }
   void add_without_cloud() { poses_.poses.push_back({4000, 0, Pose()}); }
@@ -99,7 +89,7 @@ class Scene {
   moving_objects::GroundArea area_;
   GridFrame frame_;
   GroundRaster raster_;
-  Clouds clouds_;
+  MemoryClouds clouds_;
   KeyFramePoses poses_;
 };
 

@@ -11,6 +11,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 
+#include "file_content.hpp"
 #include "geotiff_files.hpp"
 #include "map_products.hpp"
 #include "millimetre_frame.hpp"
@@ -113,10 +114,7 @@ DriveMarks example_marks() {
   return marks;
 }
 
-nlohmann::json json_in(const fs::path& path) {
-  std::ifstream file(path);
-  return nlohmann::json::parse(file);
-}
+nlohmann::json json_in(const fs::path& path) { return nlohmann::json::parse(content_of(path)); }
 
 TEST(GeoJson, IsInDegreesWithADatum) {
   const TemporaryFolder folder;

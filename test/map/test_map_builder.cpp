@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <map>
 #include <random>
 #include <set>
 
@@ -8,36 +7,24 @@
 
 #include "lidar_mapping/map/map_builder.hpp"
 
+#include "memory_clouds.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {
 namespace {
 
-/// Clouds in memory; counts how often they are read.
-class CountingClouds : public CloudSource {
- public:
-  PointCloudPtr cloud(KeyFrameIndex index) override {
-    ++reads;
-    const auto found = clouds.find(index);
-    return found == clouds.end() ? nullptr : found->second;
-  }
-  std::map<KeyFrameIndex, PointCloudPtr> clouds;
-  std::size_t reads = 0;
-};
-
 PointCloudPtr random_cloud(std::mt19937& random, int points) {
   std::uniform_real_distribution<float> xy(-40.0F, 40.0F);
   std::uniform_real_distribution<float> z(-2.0F, 8.0F);
-  auto cloud = std::make_shared<PointCloud>();
-  for (int i = 0; i < points; ++i)
-    cloud->points.push_back({xy(random), xy(random), z(random), z(random)});
-  return cloud;
+  std::vector<Point> cloud;
+  for (int i = 0; i < points; ++i) cloud.push_back({xy(random), xy(random), z(random), z(random)});
+  return cloud_of(std::move(cloud));
 }
 
 /// A drive along x with `key_frames` clouds, 5 m apart.
 struct Drive {
-  CountingClouds clouds;
+  MemoryClouds clouds;
   KeyFramePoses poses;
 
   explicit Drive(KeyFrameIndex key_frames, int points = 500) {
@@ -63,23 +50,9 @@ MapConfig exact_config() {
   return config;
 }
 
-void expect_same_bits(const PointCloud& a, const PointCloud& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(a.points[i].position(), b.points[i].position()) << "point " << i;
-    ASSERT_EQ(a.points[i].intensity, b.points[i].intensity) << "point " << i;
-  }
-}
-
-PointCloudPtr cloud_of(std::vector<Point> points) {
-  auto cloud = std::make_shared<PointCloud>();
-  cloud->points = std::move(points);
-  return cloud;
-}
-
 // Centroid and mean intensity, not the centre of the cell.
 TEST(MapBuilder, ComputesCentroidAndMeanIntensityOfEachVoxel) {
-  CountingClouds clouds;
+  MemoryClouds clouds;
   clouds.clouds[0] = cloud_of({{0.1F, 0.1F, 0.1F, 10.0F}, {0.3F, 0.2F, 0.1F, 20.0F}});
   clouds.clouds[1] = cloud_of({{0.2F, 0.3F, 0.4F, 30.0F}, {-0.1F, 0.1F, 0.1F, 7.0F}});
   KeyFramePoses poses;
@@ -104,7 +77,7 @@ TEST(MapBuilder, KeepsInclinedPlanesPlane) {
     const float y = uniform(random);
     points.push_back({x, y, 0.4F * x + 0.2F * y, 0.0F});
   }
-  CountingClouds clouds;
+  MemoryClouds clouds;
   clouds.clouds[0] = cloud_of(points);
   KeyFramePoses poses;
   poses.poses = {{0, 0, Pose()}};
@@ -118,7 +91,7 @@ TEST(MapBuilder, KeepsInclinedPlanesPlane) {
 }
 
 TEST(MapBuilder, LeavesOutPointsThatAreNotFinite) {
-  CountingClouds clouds;
+  MemoryClouds clouds;
   clouds.clouds[0] =
       cloud_of({{NAN, 0.0F, 0.0F, 0.0F}, {1.0F, 1.0F, INFINITY, 0.0F}, {1.0F, 2.0F, 3.0F, 4.0F}});
   KeyFramePoses poses;
@@ -299,7 +272,7 @@ TEST(BuildTiles, ReadsEachCloudOnce) {
 
 // Points keep their precision far away from the origin.
 TEST(BuildTiles, KeepsMillimetresFarFromOrigin) {
-  CountingClouds clouds;
+  MemoryClouds clouds;
   clouds.clouds[0] = cloud_of({{1.0F, 1.0F, 0.0F, 0.0F}, {1.601F, 1.0F, 0.0F, 0.0F}});
   KeyFramePoses poses;
   Pose far;

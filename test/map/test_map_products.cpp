@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -15,7 +13,9 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_config.hpp"
 
+#include "file_content.hpp"
 #include "map_products.hpp"
+#include "memory_clouds.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 #include "whole_folder.hpp"
@@ -39,18 +39,6 @@ std::vector<MapTile> example_tiles() {
 
 void pass_example_tiles(const TileSink& sink) {
   for (const MapTile& tile : example_tiles()) sink(tile);
-}
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-template <typename Number>
-Number number_at(const std::string& bytes, std::size_t position) {
-  Number number;
-  std::memcpy(&number, bytes.data() + position, sizeof number);
-  return number;
 }
 
 /// Coordinates of a point of a LAS file according to its specification.
@@ -162,16 +150,6 @@ TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
   EXPECT_NEAR(yaml["origin"][0].as<double>(), 0.0, 1e-6);
 }
 
-/// One key frame at the origin.
-class OneCloud : public CloudSource {
- public:
-  explicit OneCloud(const PointCloud& cloud) : cloud_(std::make_shared<PointCloud>(cloud)) {}
-  PointCloudPtr cloud(KeyFrameIndex /*index*/) override { return cloud_; }
-
- private:
-  PointCloudPtr cloud_;
-};
-
 /// Value of the cell of 0.2 m at x in the row along y = 0.1 m.
 int cell_value_at(const fs::path& folder, double x) {
   const std::string pgm = content_of(folder / "grid.pgm");
@@ -205,7 +183,8 @@ TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
     map.points.push_back({12.1F, 0.1F, z, 0.0F});
     observed.push_back({12.1F, 0.1F, z, 0.0F});
   }
-  OneCloud clouds({observed, {}});
+  MemoryClouds clouds;
+  clouds.clouds[0] = cloud_of(observed);
   KeyFramePoses poses;
   poses.poses.push_back({0, 0, Pose()});
   const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);

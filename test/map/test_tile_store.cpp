@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "memory_clouds.hpp"
 #include "near.hpp"
 #include "tile_store.hpp"
 
@@ -38,14 +39,6 @@ std::vector<CloudWithPose> street() {
     clouds.push_back({index, cloud, pose});
   }
   return clouds;
-}
-
-void expect_same_points(const PointCloud& actual, const PointCloud& expected) {
-  ASSERT_EQ(actual.size(), expected.size());
-  for (std::size_t i = 0; i < actual.size(); ++i) {
-    ASSERT_EQ(actual.points[i].position(), expected.points[i].position()) << i;
-    ASSERT_EQ(actual.points[i].intensity, expected.points[i].intensity) << i;
-  }
 }
 
 std::set<TileIndex> all_tiles(const std::vector<std::vector<TileIndex>>& touched) {
@@ -100,7 +93,7 @@ TEST(TileStore, DependsNeitherOnBatchesNorOnThreads) {
                  clouds.begin() + static_cast<std::ptrdiff_t>(end)},
                 nullptr);
     }
-    expect_same_points(store.merged_cloud(), expected);
+    expect_same_bits(store.merged_cloud(), expected);
   }
 }
 
@@ -133,7 +126,7 @@ TEST(TileStore, IsTheSameInPortionsOfTiles) {
     const std::set<TileIndex> only = {tile};
     EXPECT_EQ(all_tiles(portions.add(clouds, &only)), only);
   }
-  expect_same_points(portions.merged_cloud(), whole.merged_cloud());
+  expect_same_bits(portions.merged_cloud(), whole.merged_cloud());
 }
 
 TEST(TileStore, TakesNothingWithoutATileToTake) {
@@ -147,10 +140,8 @@ TEST(TileStore, TakesNothingWithoutATileToTake) {
 }
 
 TEST(TileStore, GivesATileRelativeToItsCorner) {
-  auto cloud = std::make_shared<PointCloud>();
-  cloud->points.push_back({12.1F, -3.9F, 7.1F, 5.0F});
   TileStore store(kResolution, kTileSize, 1);
-  store.add({{42, cloud, Pose()}}, nullptr);
+  store.add({{42, cloud_of({{12.1F, -3.9F, 7.1F, 5.0F}}), Pose()}}, nullptr);
   const MapTile tile = store.tile({1, -1});
   EXPECT_TRUE(test::near(tile.origin, Eigen::Vector3d(10.0, -10.0, 0.0), 1e-12));
   ASSERT_EQ(tile.cloud.size(), 1U);
@@ -163,12 +154,10 @@ TEST(TileStore, GivesATileRelativeToItsCorner) {
 
 // 100 km from the origin, where a float has steps of 8 mm.
 TEST(TileStore, LosesNoPrecisionFarFromTheOrigin) {
-  auto cloud = std::make_shared<PointCloud>();
-  cloud->points.push_back({1.234F, 2.345F, 0.123F, 0.0F});
   Pose far;
   far.translation = {100'000.0, -200'000.0, 0.0};
   TileStore store(kResolution, kTileSize, 1);
-  const auto touched = store.add({{0, cloud, far}}, nullptr);
+  const auto touched = store.add({{0, cloud_of({{1.234F, 2.345F, 0.123F, 0.0F}}), far}}, nullptr);
   ASSERT_EQ(touched[0].size(), 1U);
   const MapTile tile = store.tile(touched[0][0]);
   const Eigen::Vector3d p = tile.origin + tile.cloud.points[0].position().cast<double>();
@@ -187,7 +176,7 @@ TEST(TileStore, GivesTilesAwayAndTakesThemBack) {
   EXPECT_EQ(tile.size(), voxels);
   EXPECT_EQ(store.merged_cloud().size(), before.size() - voxels);
   store.put(first, std::move(tile));
-  expect_same_points(store.merged_cloud(), before);
+  expect_same_bits(store.merged_cloud(), before);
 }
 
 TEST(TileStore, ForgetsTilesAndBuildsThemAgain) {
@@ -199,7 +188,7 @@ TEST(TileStore, ForgetsTilesAndBuildsThemAgain) {
   store.clear(some);
   for (const TileIndex& tile : tiles) EXPECT_EQ(store.contains(tile), some.count(tile) == 0);
   store.add(clouds, &some);
-  expect_same_points(store.merged_cloud(), before);
+  expect_same_bits(store.merged_cloud(), before);
   store.clear();
   EXPECT_EQ(store.merged_cloud().size(), 0U);
 }

@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "ept_file.hpp"
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 #include "web_page.hpp"
 
@@ -50,11 +51,6 @@ WebPage example_page() {
   page.changes = {{ChangeKind::kAppeared, 0, 1, {10.0, 10.0, 0.0}, {14.0, 12.0, 1.5}, {}},
                   {ChangeKind::kDisappeared, 2, 1, {20.0, 5.0, 0.0}, {21.0, 6.0, 3.0}, {}}};
   return page;
-}
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 class Web : public testing::Test {
