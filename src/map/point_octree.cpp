@@ -91,11 +91,9 @@ class Divider {
     if (points.size() <= most || key.depth == OctreeCube::kMaxDepth) {
       return divide_in_memory(key, points);
     }
-    std::array<std::unique_ptr<PointSpool>, 8> children = split(key, std::move(points));
+    std::vector<PointSpool> children = split(key, std::move(points));
     for (unsigned octant = 0; octant < 8; ++octant) {
-      if (!children[octant]) continue;
-      divide_stored(key.child(octant), std::move(*children[octant]));
-      children[octant].reset();
+      divide_stored(key.child(octant), std::move(children[octant]));
     }
   }
 
@@ -108,22 +106,21 @@ class Divider {
 
   /// Passes the points of the node to the sink, and returns those of its children. The files of the
   /// node are gone then.
-  std::array<std::unique_ptr<PointSpool>, 8> split(const OctreeKey& key, PointSpool&& node) const {
+  std::vector<PointSpool> split(const OctreeKey& key, PointSpool&& node) const {
     const PointSpool points = std::move(node);
     CellSelection selection(cube_, key);
     points.for_each([&](std::size_t i, const StoredPoint& point) { selection.offer(i, point); });
     std::vector<StoredPoint> own;
-    std::array<std::unique_ptr<PointSpool>, 8> children;
+    std::vector<PointSpool> children;
+    for (unsigned octant = 0; octant < 8; ++octant) children.emplace_back(directory_);
     points.for_each([&](std::size_t i, const StoredPoint& point) {
       if (selection.is_selected(i, point)) return own.push_back(point);
-      auto& child = children[selection.octant_of(point)];
-      if (!child) child = std::make_unique<PointSpool>(directory_);
-      child->add(point);
+      children[selection.octant_of(point)].add(point);
     });
-    for (auto& child : children) {
-      if (!child || child->size() >= kLeastPoints) continue;
-      child->append_to(own);
-      child.reset();
+    for (PointSpool& child : children) {
+      if (child.size() >= kLeastPoints) continue;
+      child.append_to(own);
+      child = PointSpool(directory_);
     }
     sink_(key, own);
     return children;

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <iomanip>
 #include <map>
-#include <mutex>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -192,31 +191,6 @@ TEST(Ept, RefusesAnEmptyMapAndOneTooLarge) {
   };
   const EptOptions local = options_with(std::nullopt, 60'000, 1);
   EXPECT_THROW(write_ept(far, local, folder.path()), InputError);
-}
-
-// A level is a picture of its whole cube: no two of its points share a cell.
-TEST(PointOctree, GivesEachCellOnePointOfALevel) {
-  const TemporaryFolder folder;
-  std::mt19937 random(1);
-  std::uniform_int_distribution<std::int32_t> place(0, 100'000);
-  PointSpool spool(folder.path());
-  for (int i = 0; i < 200'000; ++i) spool.add({{place(random), place(random), 0}, 0.0F, 0});
-  const OctreeCube cube({0, 0, 0}, {100'000, 100'000, 0});
-  std::map<OctreeKey, std::vector<StoredPoint>> nodes;
-  std::mutex mutex;
-  divide_into_octree(std::move(spool), cube, {}, folder.path(),
-                     [&](const OctreeKey& key, const std::vector<StoredPoint>& points) {
-                       const std::lock_guard<std::mutex> lock(mutex);
-                       nodes[key] = points;
-                     });
-  const std::vector<StoredPoint>& root = nodes.at({});
-  std::set<std::pair<std::int64_t, std::int64_t>> cells;
-  for (const StoredPoint& point : root) {
-    cells.insert({(point.position[0] - cube.corner[0]) * OctreeOptions::kSpan / cube.edge,
-                  (point.position[1] - cube.corner[1]) * OctreeOptions::kSpan / cube.edge});
-  }
-  EXPECT_EQ(cells.size(), root.size());
-  EXPECT_GT(root.size(), 10'000U) << "of 128 by 128 cells those that the map fills";
 }
 
 // The time and the drive of a point are those of the first key frame that saw its voxel.

@@ -158,24 +158,42 @@ TEST(PointOctree, HasEachPointOnceInANodeAroundIt) {
   for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i], static_cast<float>(i));
 }
 
+using Cell = std::array<std::int64_t, 3>;
+
+/// The cells of the root in which points lie.
+std::set<Cell> cells_of_root(const std::vector<StoredPoint>& points, const OctreeCube& cube) {
+  std::set<Cell> cells;
+  for (const StoredPoint& point : points) {
+    Cell cell{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      cell[i] = (point.position[i] - cube.corner[i]) * OctreeOptions::kSpan / cube.edge;
+    }
+    cells.insert(cell);
+  }
+  return cells;
+}
+
+// A level is a picture of its whole cube: no two of its points share a cell.
+TEST(PointOctree, GivesEachCellOnePointOfALevel) {
+  std::mt19937 engine(1);
+  std::uniform_int_distribution<std::int32_t> place(0, 100'000);
+  std::vector<StoredPoint> points;
+  for (int i = 0; i < 200'000; ++i) points.push_back({{place(engine), place(engine), 0}, 0.0F, 0});
+  const OctreeCube cube({0, 0, 0}, {100'000, 100'000, 0});
+  const Nodes nodes = divided(points, cube);
+  const std::vector<StoredPoint>& root = nodes.at({});
+  EXPECT_EQ(cells_of_root(root, cube).size(), root.size());
+  EXPECT_GT(root.size(), 10'000U) << "of 128 by 128 cells those that the map fills";
+}
+
 // What a viewer shows first: points everywhere, none of them crowded.
 TEST(PointOctree, RootIsACoarsePictureOfTheWhole) {
   const std::vector<StoredPoint> points = street(90'000);
   const OctreeCube cube = cube_around(points);
   const Nodes nodes = divided(points, cube);
-  const auto cell_of = [&](const StoredPoint& point) {
-    std::array<std::int64_t, 3> cell{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      cell[i] = (point.position[i] - cube.corner[i]) * OctreeOptions::kSpan / cube.edge;
-    }
-    return cell;
-  };
-  std::map<std::array<std::int64_t, 3>, int> in_root;
-  for (const StoredPoint& point : nodes.at({})) ++in_root[cell_of(point)];
-  std::set<std::array<std::int64_t, 3>> occupied;
-  for (const StoredPoint& point : points) occupied.insert(cell_of(point));
-  EXPECT_EQ(in_root.size(), occupied.size()) << "every occupied cell has a point";
-  const std::size_t more = nodes.at({}).size() - in_root.size();
+  const std::size_t in_root = cells_of_root(nodes.at({}), cube).size();
+  EXPECT_EQ(in_root, cells_of_root(points, cube).size()) << "every occupied cell has a point";
+  const std::size_t more = nodes.at({}).size() - in_root;
   EXPECT_LT(more, 8U * 500U) << "no more than what children with few points leave to it";
 }
 
