@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <unordered_map>
+#include <cmath>
 
 #include <Eigen/Core>
 
@@ -25,7 +23,10 @@ struct Plane {
 /// surface.
 constexpr double kMinExtent = 0.15;
 
-Plane plane_of(const PointMoments& moments);
+inline Plane plane_of(const PointMoments& moments) {
+  const PlaneFit fit(moments);
+  return {fit.normal, fit.mean, std::sqrt(fit.variances[0]), std::sqrt(fit.variances[1])};
+}
 
 /// True up to a slope of 26 degrees (0.9 is its cosine): ramps, roads and floors.
 inline bool is_ground(const Plane& plane) { return std::abs(plane.normal.z()) > 0.9; }
@@ -33,6 +34,8 @@ inline bool is_ground(const Plane& plane) { return std::abs(plane.normal.z()) > 
 inline bool is_wall(const Plane& plane) { return std::abs(plane.normal.z()) < 0.25; }
 
 /// Key of the cell of edge `size` (m) in which a point lies.
-VoxelKey cell_key(const Eigen::Vector3d& point, double size);
+inline VoxelKey cell_key(const Eigen::Vector3d& point, double size) {
+  return voxel_key(voxel_index(point / size));
+}
 
 }  // namespace lidar_mapping::map_quality

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/map_quality/map_quality.hpp"
@@ -102,16 +103,14 @@ CellThickness cell_thickness(const std::vector<Group>& groups, const Plane& plan
 }
 
 Thickness summarize(const std::vector<CellThickness>& samples) {
-  std::vector<double> thicknesses;
-  std::vector<double> ratios;
-  std::vector<double> values_within_groups;
-  for (const CellThickness& sample : samples) {
-    thicknesses.push_back(sample.thickness);
-    ratios.push_back(sample.ratio);
-    values_within_groups.push_back(sample.within_groups);
-  }
-  return {samples.size(), quantile(thicknesses, 0.5), quantile(thicknesses, 0.9),
-          quantile(ratios, 0.5), quantile(values_within_groups, 0.5)};
+  const auto quantile_of = [&](double CellThickness::*figure, double fraction) {
+    std::vector<double> values;
+    for (const CellThickness& sample : samples) values.push_back(sample.*figure);
+    return quantile(std::move(values), fraction);
+  };
+  return {samples.size(), quantile_of(&CellThickness::thickness, 0.5),
+          quantile_of(&CellThickness::thickness, 0.9), quantile_of(&CellThickness::ratio, 0.5),
+          quantile_of(&CellThickness::within_groups, 0.5)};
 }
 
 }  // namespace

@@ -26,11 +26,8 @@ double street(const Slope& slope, double x, double y) { return slope.dot(Eigen::
 TransformedPoints sloping_street(const Slope& slope) {
   PointCloud cloud;
   const auto add = [&cloud](double x, double y, double z) {
-    Point point;
-    point.x = static_cast<float>(x);
-    point.y = static_cast<float>(y);
-    point.z = static_cast<float>(z);
-    cloud.points.push_back(point);
+    cloud.points.push_back(
+        {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0.0F});
   };
   for (int i = -50; i < 50; ++i) {
     for (int j = -50; j < 50; ++j) {

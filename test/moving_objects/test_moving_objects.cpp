@@ -37,11 +37,9 @@ class Street : public CloudSource {
 
   /// Whether a point of this key frame is on the moving car, well above the ground.
   bool on_moving_car(KeyFrameIndex index, const Point& point) const {
-    const Box car = moving_car(index);
     const Eigen::Vector3d p =
         point.position().cast<double>() + Eigen::Vector3d(1.0 * index, 0.0, 0.0);
-    return ((p - car.low).array() > -0.01).all() && ((car.high - p).array() > -0.01).all() &&
-           p.z() > 0.15;
+    return moving_car(index).contains(p, 0.01) && p.z() > 0.15;
   }
 
   KeyFramePoses poses;
