@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBlock =
-    256;  // pixels, by definition: the edge of a block that GDAL takes by default
+// Pixels, by definition: the edge of a block that GDAL takes by default.
+constexpr int kBlock = 256;
 constexpr int kMaxStripes = 64;     // chosen: so many buffers of points are 90 MB
 constexpr double kMaxPixels = 4e9;  // chosen: 63 km square at 1 m; each file is 16 GB uncompressed
 

@@ -34,8 +34,8 @@ class MapBuilder::Impl {
  public:
   struct KeyFrameEntry {
     Pose target_pose;
-    std::optional<Pose>
-        inserted_pose;  ///< Pose at which the cloud is in the tiles; none if it is not in.
+    /// Pose at which the cloud is in the tiles; none if it is not in.
+    std::optional<Pose> inserted_pose;
     std::vector<TileIndex> tiles;
   };
   using KeyFrameEntries = std::map<KeyFrameIndex, KeyFrameEntry>;

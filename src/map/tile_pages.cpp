@@ -8,8 +8,8 @@ void TilePages::put(const TileIndex& index, const VoxelTile& tile) {
   const std::vector<Voxel>& voxels = tile.voxels();
   Page& page = pages_[index];
   if (voxels.size() > page.capacity) {
-    page.capacity =
-        voxels.size() + voxels.size() / 2;  // a tile usually grows until it is stored again
+    // A tile usually grows until it is stored again.
+    page.capacity = voxels.size() + voxels.size() / 2;
     page.offset = end_;
     end_ += page.capacity * sizeof(Voxel);
   }

@@ -22,8 +22,8 @@ class GroundArea {
   /// Columns along an edge of the neighbourhood of a column, by definition: twice kMargin and
   /// itself.
   static constexpr std::size_t kWindow = 2 * kMargin + 1;
-  static constexpr std::uint32_t kOutside =
-      CellRectangle::kOutside;  ///< Number of everything outside.
+  /// Number of everything outside.
+  static constexpr std::uint32_t kOutside = CellRectangle::kOutside;
 
   /// The columns around the points; points further than `max_range` (m) from their origin are left
   /// out.

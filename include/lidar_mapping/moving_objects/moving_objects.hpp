@@ -12,8 +12,8 @@ namespace lidar_mapping::moving_objects {
 struct MovingObjectsConfig {
   /// Number of key frames before and after that vote; other passes of the location do not vote.
   int neighbours = 30;
-  double max_range =
-      40.0;  ///< Largest distance of a point from a voting key frame, m; at most 100.
+  /// Largest distance of a point from a voting key frame, m; at most 100.
+  double max_range = 40.0;
   /// A point is removed only if at least so many key frames saw through its location ...
   int min_votes = 2;
   /// ... and they are at least this fraction of all that observed the location.
