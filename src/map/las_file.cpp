@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint16_t kHeaderSize = 227;  // bytes, by LAS 1.2
 constexpr std::uint16_t kPointSize = 20;    // bytes, of point format 0 by LAS 1.2
-// By LAS 1.2: return number 1 (bits 0 to 2) of 1 (bits 3 to 5).
+// Return number 1 (bits 0 to 2) of 1 (bits 3 to 5), by LAS 1.2.
 constexpr std::uint8_t kOnlyReturn = 0x09;
 constexpr std::uint16_t kMetre = 9001;  // the metre as a unit, by EPSG
 
