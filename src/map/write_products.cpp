@@ -199,7 +199,7 @@ class ProductWriter {
 
   WebPage web_page() {
     WebPage page{title(), options_.datum, config_.resolution, marks(), {}, {}};
-    if (!current_clouds_ || products_.visits < 2) return page;
+    if (!current_clouds_) return page;
     page.changes = current_clouds_->changes();
     page.visits = current_clouds_->visits().visits();
     return page;

@@ -41,6 +41,7 @@ class CurrentClouds::Impl {
   }
 
   std::vector<Change> changes() {
+    if (visits_.visits().size() < 2) return {};
     for (Position i = 0; i < observers_.poses().size(); ++i) {
       if (!marks_.contains(i)) mark_batch(i);
     }
