@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/moving_objects/current_clouds.hpp"
 
-#include <algorithm>
 #include <set>
 
 #include "lidar_mapping/common/parallel.hpp"

@@ -95,9 +95,14 @@ void write_expected(const TileSource& tiles, const EptOptions& options, const fs
   });
 }
 
-int read_back(const fs::path& folder, const fs::path& expected) {
-  return std::system(
-      ("python3 map/read_ept.py " + folder.string() + " " + expected.string()).c_str());
+/// Writes the tiles into the folder ept of this one and reads them back.
+void expect_read_back(const TileSource& tiles, const EptOptions& options, const fs::path& folder) {
+  const fs::path ept = folder / "ept";
+  const fs::path expected = folder / "expected.txt";
+  write_ept(tiles, options, ept);
+  write_expected(tiles, options, expected);
+  const std::string command = "python3 map/read_ept.py " + ept.string() + " " + expected.string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
 /// Content of all files by their names.
@@ -112,20 +117,12 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
 
 TEST(Ept, HoldsAllPointsInTheirNodes) {
   const TemporaryFolder folder;
-  const TileSource tiles = streets(6, 20'000);
-  const EptOptions options = options_with(kDatum, 45'000, 2);
-  write_ept(tiles, options, folder.path() / "ept");
-  write_expected(tiles, options, folder.path() / "expected.txt");
-  EXPECT_EQ(read_back(folder.path() / "ept", folder.path() / "expected.txt"), 0);
+  expect_read_back(streets(6, 20'000), options_with(kDatum, 45'000, 2), folder.path());
 }
 
 TEST(Ept, StaysInTheMapFrameWithoutDatum) {
   const TemporaryFolder folder;
-  const TileSource tiles = streets(2, 1000);
-  const EptOptions options = options_with(std::nullopt, 60'000, 1);
-  write_ept(tiles, options, folder.path() / "ept");
-  write_expected(tiles, options, folder.path() / "expected.txt");
-  EXPECT_EQ(read_back(folder.path() / "ept", folder.path() / "expected.txt"), 0);
+  expect_read_back(streets(2, 1000), options_with(std::nullopt, 60'000, 1), folder.path());
   EXPECT_NE(files_in(folder.path() / "ept").at("ept.json").find("\"srs\": {}"), std::string::npos);
 }
 
@@ -155,10 +152,7 @@ TEST(Ept, SplitsADeepHierarchy) {
     tile.key_frames.resize(tile.cloud.size());
     sink(tile);
   };
-  const EptOptions options = options_with(std::nullopt, 1'000'000, 2);
-  write_ept(tiles, options, folder.path() / "ept");
-  write_expected(tiles, options, folder.path() / "expected.txt");
-  EXPECT_EQ(read_back(folder.path() / "ept", folder.path() / "expected.txt"), 0);
+  expect_read_back(tiles, options_with(std::nullopt, 1'000'000, 2), folder.path());
   EXPECT_GT(files_in(folder.path() / "ept" / "ept-hierarchy").size(), 1U);
 }
 
@@ -172,11 +166,8 @@ TEST(Ept, TakesPointsAtTheSamePlace) {
     sink(tile);
   };
   for (const std::size_t in_memory : {std::size_t{10'000}, std::size_t{1'000'000}}) {
-    const fs::path ept = folder.path() / std::to_string(in_memory);
-    const EptOptions options = options_with(std::nullopt, in_memory, 1);
-    write_ept(tiles, options, ept);
-    write_expected(tiles, options, folder.path() / "expected.txt");
-    EXPECT_EQ(read_back(ept, folder.path() / "expected.txt"), 0);
+    expect_read_back(tiles, options_with(std::nullopt, in_memory, 1),
+                     folder.path() / std::to_string(in_memory));
   }
 }
 
