@@ -42,7 +42,7 @@ class Observers {
   /// Adds the neighbours of a key frame in the drive that vote on its points, and itself.
   void insert_neighbours(Position position, std::set<Position>& positions) const;
 
-  /// Keeps the observers at these positions and no others.
+  /// Makes the observers at these positions that are missing, and deletes all at others.
   void keep(const std::set<Position>& positions);
 
   /// The observer at this position; null if it is not kept or its cloud is missing.
