@@ -55,6 +55,12 @@ class Grid {
     return static_cast<std::uint8_t>(bytes_[static_cast<std::size_t>(line * columns_ + column)]);
   }
 
+  double free_fraction(const std::set<Cell>& cells) const {
+    const auto free = std::count_if(cells.begin(), cells.end(),
+                                    [&](const Cell& cell) { return at(cell) == kFree; });
+    return static_cast<double>(free) / static_cast<double>(cells.size());
+  }
+
   /// All free cells that are connected to `start` by free cells.
   std::set<Cell> reachable_from(const Cell& start) const {
     std::set<Cell> reached = {start};
@@ -131,10 +137,7 @@ class DriveWithGrid {
 
   /// Fraction of free cells among those within a metre of the path.
   double free_fraction(const Grid& grid) const {
-    const std::set<Grid::Cell> cells = cells_near_path(grid, 1.0);
-    const auto free = std::count_if(cells.begin(), cells.end(),
-                                    [&](const Grid::Cell& cell) { return grid.at(cell) == kFree; });
-    return static_cast<double>(free) / static_cast<double>(cells.size());
+    return grid.free_fraction(cells_near_path(grid, 1.0));
   }
 
   double reached_fraction(const Grid& grid) const {
@@ -161,9 +164,7 @@ class DriveWithGrid {
       }
     }
     EXPECT_GT(moved.size(), 100U);
-    const auto free = std::count_if(moved.begin(), moved.end(),
-                                    [&](const Grid::Cell& cell) { return grid.at(cell) == kFree; });
-    return static_cast<double>(free) / static_cast<double>(moved.size());
+    return grid.free_fraction(moved);
   }
 
   /// Fraction of occupied cells among those near the path that something static occupies.

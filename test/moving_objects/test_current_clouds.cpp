@@ -42,36 +42,34 @@ class ChangingStreet : public CloudSource {
 
   /// Number of points of these clouds on a box, well above the ground.
   std::size_t points_on(const Box& box, CloudSource& clouds) const {
-    std::size_t count = 0;
-    for (const KeyFramePose& pose : poses.poses) {
-      const PointCloudPtr cloud = clouds.cloud(pose.index);
-      for (const Point& point : cloud->points) {
-        const Eigen::Vector3d p = pose.T_map_base * point.position().cast<double>();
-        count += box.contains(p, 0.02) && p.z() > 0.15 ? 1 : 0;
-      }
-    }
-    return count;
+    return count(clouds, [&](const Eigen::Vector3d& p_map) {
+      return box.contains(p_map, 0.02) && p_map.z() > 0.15;
+    });
   }
 
   /// Number of points of these clouds that are on none of the boxes.
   std::size_t points_beside(const std::vector<Box>& boxes, CloudSource& clouds) const {
-    std::size_t count = 0;
-    for (const KeyFramePose& pose : poses.poses) {
-      const PointCloudPtr cloud = clouds.cloud(pose.index);
-      for (const Point& point : cloud->points) {
-        const Eigen::Vector3d p = pose.T_map_base * point.position().cast<double>();
-        count += std::none_of(boxes.begin(), boxes.end(),
-                              [&](const Box& box) { return box.contains(p, 0.02); })
-                     ? 1
-                     : 0;
-      }
-    }
-    return count;
+    return count(clouds, [&](const Eigen::Vector3d& p_map) {
+      return std::none_of(boxes.begin(), boxes.end(),
+                          [&](const Box& box) { return box.contains(p_map, 0.02); });
+    });
   }
 
   KeyFramePoses poses;
 
  private:
+  template <typename Predicate>
+  std::size_t count(CloudSource& clouds, const Predicate& is_counted) const {
+    std::size_t sum = 0;
+    for (const KeyFramePose& pose : poses.poses) {
+      const PointCloudPtr cloud = clouds.cloud(pose.index);
+      for (const Point& point : cloud->points) {
+        sum += is_counted(pose.T_map_base * point.position().cast<double>()) ? 1 : 0;
+      }
+    }
+    return sum;
+  }
+
   std::map<KeyFrameIndex, PointCloudPtr> clouds_;
 };
 
