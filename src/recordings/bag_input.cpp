@@ -41,17 +41,16 @@ using ros_border::SensorTopics;
 /// Part of the recording whose /tf is read for sensor poses, which are fixed to the vehicle.
 constexpr Stamp kFramesTime = from_seconds(20.0);
 
-/// Up to this time (s) a stamp of 0 may be a real one, because simulators start at 0.
-const ros::Time kSimulatedUntil(1e6);
+/// Up to this time a stamp of 0 may be a real one, because simulators start at 0.
+constexpr Stamp kSimulatedUntil = from_seconds(1e6);
 
 /// The stamp, or the time of recording if the driver sets no stamp.
-Stamp given_or_recorded(Stamp stamp, const ros::Time& recorded) {
-  const bool is_missing = stamp == 0 && recorded > kSimulatedUntil;
-  return is_missing ? ros_border::from_ros(recorded) : stamp;
+Stamp given_or_recorded(Stamp stamp, Stamp recorded) {
+  return stamp == 0 && recorded > kSimulatedUntil ? recorded : stamp;
 }
 
 template <typename Sample>
-Input framed(ros_border::SensorInput<Sample> input, const ros::Time& recorded) {
+Input framed(ros_border::SensorInput<Sample> input, Stamp recorded) {
   input.sample.stamp = given_or_recorded(input.sample.stamp, recorded);
   return FramedSample<Sample>{input.sample, ros_border::frame_name(input.frame_id)};
 }
@@ -283,10 +282,9 @@ class BagInput::Impl {
   }
 
   std::optional<Input> read(const BagMessage& message) {
-    const ros::Time recorded = ros_border::to_ros(message.recorded);
     if (const auto cloud = ros_border::read_cloud(message)) {
       const Stamp stamp =
-          given_or_recorded(ros_border::from_ros(cloud->message.header.stamp), recorded);
+          given_or_recorded(ros_border::from_ros(cloud->message.header.stamp), message.recorded);
       if (others_.has(message.topic())) {
         others_.add(message.topic(), *cloud, stamp);
         return std::nullopt;
@@ -298,10 +296,12 @@ class BagInput::Impl {
                                     }};
     }
     if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
-      return framed(ros_border::input_of(*imu), recorded);
+      return framed(ros_border::input_of(*imu), message.recorded);
     }
-    if (auto velocity = ros_border::read_velocity(message)) return framed(*velocity, recorded);
-    if (auto fix = ros_border::read_gnss(message)) return framed(*fix, recorded);
+    if (const auto velocity = ros_border::read_velocity(message)) {
+      return framed(*velocity, message.recorded);
+    }
+    if (const auto fix = ros_border::read_gnss(message)) return framed(*fix, message.recorded);
     return std::nullopt;
   }
 
