@@ -14,7 +14,6 @@
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/cloud_reader.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/merging_check.hpp"
 #include "lidar_mapping/ros/moving_frame.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
@@ -55,6 +54,17 @@ Input framed(ros_border::SensorInput<Sample> input, Stamp recorded) {
   return FramedSample<Sample>{input.sample, ros_border::frame_name(input.frame_id)};
 }
 
+std::string frame_of(const RecordedCloud& cloud) {
+  return ros_border::frame_name(cloud.message.header.frame_id);
+}
+
+/// Why a LiDAR whose first cloud this is cannot be merged with others; empty if it can.
+std::string merging_problem(const RecordedCloud& cloud, const ros_border::CloudReader& reader) try {
+  return reader.read(cloud).scan.cloud.has_times() ? "" : "their points have no times";
+} catch (const InputError& error) {
+  return error.what();
+}
+
 }  // namespace
 
 class BagInput::Impl {
@@ -64,9 +74,11 @@ class BagInput::Impl {
       : bags_(paths), config_(config), reader_(config), frames_(base_frame) {
     topics_ = ros_border::topics_in(bags_, wanted);
     read_frames();
-    choose_base_frame();
-    take_back_moving_clouds();
-    add_other_lidars();
+    if (const auto cloud = ros_border::first_cloud(bags_, topics_.points)) {
+      choose_base_frame(frame_of(*cloud));
+      take_back_moving_clouds(frame_of(*cloud));
+      add_other_lidars(*cloud);
+    }
     if (config.enable_robot_odometry_init_guess) {
       topics_.velocity.clear();
       wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
@@ -142,10 +154,7 @@ class BagInput::Impl {
   }
 
   /// Without a transform to base_link the LiDAR's frame is used as base_link.
-  void choose_base_frame() {
-    const auto cloud = ros_border::first_cloud(bags_, topics_.points);
-    if (!cloud) return;
-    const std::string lidar_frame = ros_border::frame_name(cloud->message.header.frame_id);
+  void choose_base_frame(const std::string& lidar_frame) {
     if (frames_.T_base(lidar_frame)) return;
     frames_notice_ = lidar_frame.empty() ? "the scans name no frame"
                                          : "nothing in the recording leads from '" + lidar_frame +
@@ -157,10 +166,7 @@ class BagInput::Impl {
   }
 
   /// Clouds in a frame in which the vehicle moves are taken back to the vehicle by all of /tf.
-  void take_back_moving_clouds() {
-    const auto cloud = ros_border::first_cloud(bags_, topics_.points);
-    if (!cloud) return;
-    const std::string frame = ros_border::frame_name(cloud->message.header.frame_id);
+  void take_back_moving_clouds(const std::string& frame) {
     if (!ros_border::vehicle_moves_in(bags_, frames_.base_frame(), frame)) return;
     ros_border::add_recorded_frames(bags_, "/tf", std::numeric_limits<Stamp>::min(),
                                     std::numeric_limits<Stamp>::max(), frames_);
@@ -185,27 +191,25 @@ class BagInput::Impl {
 
   double reach() const { return preprocessing::merging_reach(config_.scan_period); }
 
-  /// The other LiDARs whose clouds can be merged into the scans.
-  void add_other_lidars() {
+  /// The other LiDARs whose clouds can be merged into the scans. `main` is the first of these.
+  void add_other_lidars(const RecordedCloud& main) {
     if (topics_.other_points.empty()) return;
-    const auto main = ros_border::first_cloud(bags_, topics_.points);
-    if (!main) return;
-    std::string problem = ros_border::merging_problem(*main, reader_);
+    std::string problem = merging_problem(main, reader_);
     if (!moving_frame_.empty()) problem = "they are in a frame in which the vehicle moves";
     if (!problem.empty()) {
       throw InputError("--points: other LiDARs cannot be merged into the scans of " +
                        topics_.points + ": " + problem + "; name a LiDAR with them first");
     }
-    const auto T_base_main = frames_.T_base(ros_border::frame_name(main->message.header.frame_id));
+    const auto T_base_main = frames_.T_base(frame_of(main));
     for (const std::string& topic : topics_.other_points) add_other_lidar(topic, T_base_main);
   }
 
   void add_other_lidar(const std::string& topic, const std::optional<Pose>& T_base_main) {
     const auto cloud = ros_border::first_cloud(bags_, topic);
     if (!cloud) return messages_.push_back("no cloud on " + topic + " can be read");
-    const std::string frame = ros_border::frame_name(cloud->message.header.frame_id);
+    const std::string frame = frame_of(*cloud);
     const auto T_base_other = frames_.T_base(frame);
-    std::string problem = ros_border::merging_problem(*cloud, reader_);
+    std::string problem = merging_problem(*cloud, reader_);
     if (!T_base_main || !T_base_other) {
       problem = "no transform leads from '" + frame + "' to '" + frames_.base_frame() + "'";
     }
