@@ -38,7 +38,7 @@ using ros_border::RecordedCloud;
 class BagRecording {
  public:
   BagRecording(const std::string& path, const std::string& topic)
-      : bag_(path, {topic.empty() ? first_cloud_topic(path) : topic}) {
+      : bag_(path, std::vector<std::string>{topic.empty() ? first_cloud_topic(path) : topic}) {
     add_frames(path);
     for (const BagChunk& chunk : bag_.chunks()) {
       for (const BagEntry& entry : bag_.entries(chunk)) messages_.push_back({chunk, entry});

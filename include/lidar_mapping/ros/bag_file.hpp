@@ -19,10 +19,8 @@ class FileBytes;
 /// position in the file and the remedy.
 class BagFile : public ChunkedRecording {
  public:
-  /// Reads the index of all topics.
-  explicit BagFile(const std::string& path);
-  /// Reads the index of some topics; topics that do not exist are ignored.
-  BagFile(const std::string& path, const std::vector<std::string>& topics);
+  /// Reads the index of these topics; topics that do not exist are ignored.
+  explicit BagFile(const std::string& path, const WantedTopics& topics = std::nullopt);
   ~BagFile() override;
 
   /// Path that was given to the constructor.
@@ -42,15 +40,13 @@ class BagFile : public ChunkedRecording {
  private:
   struct Record;
 
-  BagFile(const std::string& path, const std::vector<std::string>* topics);
-
   [[noreturn]] void fail_at(std::uint64_t position) const;
   [[noreturn]] void fail_chunk(std::uint64_t position) const;
 
   Record record_at(std::uint64_t position) const;
-  void read_index(const std::vector<std::string>* topics);
+  void read_index(const WantedTopics& topics);
   std::uint64_t index_position(const Record& header) const;
-  void add_connection(const Record& record, const std::vector<std::string>* topics);
+  void add_connection(const Record& record, const WantedTopics& topics);
   void add_chunk(const Record& record);
   void add_entries(const Record& record, std::vector<BagEntry>& entries) const;
 

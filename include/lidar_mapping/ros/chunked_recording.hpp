@@ -14,6 +14,12 @@
 
 namespace lidar_mapping::ros_border {
 
+/// Names of the topics that are read of a recording; none: all are read.
+using WantedTopics = std::optional<std::vector<std::string>>;
+
+/// Whether the topic is one of these.
+bool is_wanted(const std::string& topic, const WantedTopics& wanted);
+
 /// Connection of a bag, or channel of an MCAP file: the messages of one publisher on a topic.
 struct BagConnection {
   std::string topic;           ///< name, as recorded
@@ -76,10 +82,8 @@ class ChunkedRecording {
   virtual std::optional<MissingPart> missing_part() const { return std::nullopt; }
 };
 
-/// Opens a bag or an MCAP file with all its topics.
-std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path);
-/// The same with some topics; topics that do not exist are ignored.
+/// Opens a bag or an MCAP file with these topics; topics that do not exist are ignored.
 std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path,
-                                               const std::vector<std::string>& topics);
+                                               const WantedTopics& topics = std::nullopt);
 
 }  // namespace lidar_mapping::ros_border

@@ -28,10 +28,8 @@ class McapFile : public ChunkedRecording {
   /// Whether the file begins as such a file does.
   static bool is_one(const std::string& path);
 
-  /// Reads the index of all topics.
-  explicit McapFile(const std::string& path);
-  /// Reads the index of some topics; topics that do not exist are ignored.
-  McapFile(const std::string& path, const std::vector<std::string>& topics);
+  /// Reads the index of these topics; topics that do not exist are ignored.
+  explicit McapFile(const std::string& path, const WantedTopics& topics = std::nullopt);
   ~McapFile() override;
 
   /// With the types' names and MD5 sums of ROS 1; the sum is empty for types that are not read.
@@ -45,9 +43,7 @@ class McapFile : public ChunkedRecording {
   std::optional<MissingPart> missing_part() const override { return missing_; }
 
  private:
-  McapFile(const std::string& path, const std::vector<std::string>* topics);
-
-  void add_connections(const McapIndex& index, const std::vector<std::string>* topics);
+  void add_connections(const McapIndex& index, const WantedTopics& topics);
   void add_places(const McapIndex& index);
   std::vector<BagEntry> indexed_entries(const McapPlace& place) const;
   std::vector<BagEntry> entries_of(const ChunkContent& content, const McapPlace& place) const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,10 +32,8 @@ class Ros2File {
   /// compressed as a whole.
   static bool is_one(const std::string& path);
 
-  /// Reads the list of all topics.
-  explicit Ros2File(const std::string& path);
-  /// Reads the list of some topics; topics that do not exist are ignored.
-  Ros2File(const std::string& path, const std::vector<std::string>& topics);
+  /// Reads the list of these topics; topics that do not exist are ignored.
+  explicit Ros2File(const std::string& path, const WantedTopics& topics = std::nullopt);
   ~Ros2File();
   Ros2File(const Ros2File&) = delete;
   Ros2File& operator=(const Ros2File&) = delete;
@@ -55,22 +54,20 @@ class Ros2File {
  private:
   class Statement;
 
-  Ros2File(const std::string& path, const std::vector<std::string>* topics);
-
   void open();
-  void read_topics(const std::vector<std::string>* topics);
+  void read_topics(const WantedTopics& topics);
   void count_messages();
   std::string of_topics() const;
-  void begin_reading(Stamp from);
+  void begin_reading();
   [[noreturn]] void fail(const std::string& reason) const;
 
   std::string path_;
   void* database_ = nullptr;  ///< sqlite3*
   std::map<std::int64_t, BagConnection> connections_;
   std::map<std::int64_t, std::string> ros2_types_;
-  std::unique_ptr<Statement> reading_;
+  Stamp from_ = std::numeric_limits<Stamp>::min();  ///< of the first message that is read
+  std::unique_ptr<Statement> reading_;              ///< null before the first message is asked for
   bool has_row_ = false;
-  bool has_begun_ = false;
 };
 
 }  // namespace lidar_mapping::ros_border

@@ -93,13 +93,7 @@ struct BagFile::Record {
   }
 };
 
-BagFile::BagFile(const std::string& path) : BagFile(path, nullptr) {}
-
-BagFile::BagFile(const std::string& path, const std::vector<std::string>& topics)
-    : BagFile(path, &topics) {}
-
-/// Without a list of topics all are read.
-BagFile::BagFile(const std::string& path, const std::vector<std::string>* topics) : path_(path) {
+BagFile::BagFile(const std::string& path, const WantedTopics& topics) : path_(path) {
   const std::string problem = "cannot read the bag " + path + ": ";
   if (std::filesystem::is_directory(path)) {
     throw FileError(problem + "it is a folder; name the bags in it");
@@ -143,7 +137,7 @@ BagFile::Record BagFile::record_at(std::uint64_t position) const {
   return record;
 }
 
-void BagFile::read_index(const std::vector<std::string>* topics) {
+void BagFile::read_index(const WantedTopics& topics) {
   char version[kVersionLength] = {};
   file_->read(0, version, std::min<std::uint64_t>(file_->size(), sizeof version));
   if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
@@ -185,13 +179,10 @@ std::uint64_t BagFile::index_position(const Record& header) const {
   return position;
 }
 
-void BagFile::add_connection(const Record& record, const std::vector<std::string>* topics) {
+void BagFile::add_connection(const Record& record, const WantedTopics& topics) {
   const auto topic = record.fields.find("topic");
   if (topic == record.fields.end()) fail_at(record.position);
-  const auto is_wanted = [&] {
-    return std::find(topics->begin(), topics->end(), topic->second) != topics->end();
-  };
-  if (topics != nullptr && !is_wanted()) return;
+  if (!is_wanted(topic->second, topics)) return;
   std::vector<std::uint8_t> text(record.size);
   file_->read(record.data, text.data(), text.size());
   const auto fields = header_fields({text.data(), text.size()});
@@ -208,14 +199,14 @@ void BagFile::add_connection(const Record& record, const std::vector<std::string
 void BagFile::add_chunk(const Record& record) {
   std::vector<std::uint8_t> counts(record.size / 8 * 8);
   file_->read(record.data, counts.data(), counts.size());
-  bool is_wanted = false;
+  bool has_wanted = false;
   for (std::size_t i = 0; i < counts.size(); i += 8) {
     const auto connection = connections_.find(number_at<std::uint32_t>(&counts[i]));
     if (connection == connections_.end()) continue;
     connection->second.messages += number_at<std::uint32_t>(&counts[i + 4]);
-    is_wanted = true;
+    has_wanted = true;
   }
-  if (!is_wanted) return;
+  if (!has_wanted) return;
   chunks_.push_back(
       {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
 }

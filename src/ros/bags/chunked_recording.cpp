@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/chunked_recording.hpp"
 
+#include <algorithm>
+
 #include "lidar_mapping/ros/bag_file.hpp"
 #include "lidar_mapping/ros/mcap_file.hpp"
 
 namespace lidar_mapping::ros_border {
 
-std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path) {
-  if (McapFile::is_one(path)) return std::make_unique<McapFile>(path);
-  return std::make_unique<BagFile>(path);
+bool is_wanted(const std::string& topic, const WantedTopics& wanted) {
+  return !wanted || std::find(wanted->begin(), wanted->end(), topic) != wanted->end();
 }
 
 std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path,
-                                               const std::vector<std::string>& topics) {
+                                               const WantedTopics& topics) {
   if (McapFile::is_one(path)) return std::make_unique<McapFile>(path, topics);
   return std::make_unique<BagFile>(path, topics);
 }

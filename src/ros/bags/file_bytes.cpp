@@ -3,6 +3,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <utility>
 
 #include <fcntl.h>
@@ -12,6 +14,13 @@
 #include "lidar_mapping/common/errors.hpp"
 
 namespace lidar_mapping::ros_border {
+
+std::string beginning_of(const std::string& path, std::size_t length) {
+  if (!std::filesystem::is_regular_file(path)) return "";
+  std::string text(length, '\0');
+  std::ifstream(path, std::ios::binary).read(text.data(), static_cast<std::streamsize>(length));
+  return text;
+}
 
 FileBytes::FileBytes(std::string path, std::string kind, std::string remedy)
     : path_(std::move(path)), kind_(std::move(kind)), remedy_(std::move(remedy)) {

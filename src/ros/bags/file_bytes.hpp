@@ -8,6 +8,9 @@
 
 namespace lidar_mapping::ros_border {
 
+/// The first bytes of a file, with zeros behind its end; empty if there is no such file.
+std::string beginning_of(const std::string& path, std::size_t length);
+
 /// A recording that is read by positions.
 class FileBytes {
  public:

@@ -2,8 +2,6 @@
 #include "lidar_mapping/ros/mcap_file.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <tuple>
 
@@ -24,20 +22,10 @@ const char* const kRemedy = "copy it again, or try mcap recover";
 }  // namespace
 
 bool McapFile::is_one(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) return false;
-  std::string text(kBegin.size(), '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(&text[0], static_cast<std::streamsize>(text.size()));
-  return text == kBegin;
+  return beginning_of(path, kBegin.size()) == kBegin;
 }
 
-McapFile::McapFile(const std::string& path) : McapFile(path, nullptr) {}
-
-McapFile::McapFile(const std::string& path, const std::vector<std::string>& topics)
-    : McapFile(path, &topics) {}
-
-/// Without a list of topics all are read.
-McapFile::McapFile(const std::string& path, const std::vector<std::string>* topics)
+McapFile::McapFile(const std::string& path, const WantedTopics& topics)
     : path_(path), file_(std::make_unique<FileBytes>(path, "recording", kRemedy)) {
   const McapIndex index = mcap_index(*file_);
   missing_ = index.missing;
@@ -47,11 +35,9 @@ McapFile::McapFile(const std::string& path, const std::vector<std::string>* topi
 
 McapFile::~McapFile() = default;
 
-void McapFile::add_connections(const McapIndex& index, const std::vector<std::string>* topics) {
+void McapFile::add_connections(const McapIndex& index, const WantedTopics& topics) {
   for (const auto& [id, channel] : index.channels) {
-    const bool is_wanted = topics == nullptr || std::find(topics->begin(), topics->end(),
-                                                          channel.topic) != topics->end();
-    if (!is_wanted) continue;
+    if (!is_wanted(channel.topic, topics)) continue;
     const auto schema = index.schemas.find(channel.schema);
     const std::string type = schema == index.schemas.end() ? "" : schema->second.name;
     const Ros2Type* known = ros2_type(type);
@@ -59,12 +45,9 @@ void McapFile::add_connections(const McapIndex& index, const std::vector<std::st
       file_->fail("topic " + channel.topic + " is serialised as '" + channel.encoding +
                   "', not as cdr");
     }
-    BagConnection& connection = connections_[id];
-    connection.topic = channel.topic;
-    connection.type = known != nullptr ? known->ros1_name : name_in_ros1(type);
-    connection.md5sum = known != nullptr ? known->md5sum : "";
     const auto messages = index.messages.find(id);
-    connection.messages = messages == index.messages.end() ? 0 : messages->second;
+    connections_[id] = ros2_connection(channel.topic, type);
+    if (messages != index.messages.end()) connections_[id].messages = messages->second;
     if (known != nullptr) types_[id] = known;
   }
 }
@@ -72,9 +55,9 @@ void McapFile::add_connections(const McapIndex& index, const std::vector<std::st
 /// Those that have messages of the wanted topics.
 void McapFile::add_places(const McapIndex& index) {
   for (const McapPlace& place : index.places) {
-    const bool is_wanted = std::any_of(place.channels.begin(), place.channels.end(),
-                                       [&](std::uint16_t id) { return types_.count(id) > 0; });
-    if (!is_wanted) continue;
+    const bool is_read = std::any_of(place.channels.begin(), place.channels.end(),
+                                     [&](std::uint16_t id) { return types_.count(id) > 0; });
+    if (!is_read) continue;
     places_[place.position] = std::make_shared<McapPlace>(place);
     chunks_.push_back({place.position, place.begin});
   }

@@ -2,9 +2,6 @@
 #include "lidar_mapping/ros/ros2_file.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 
 #include <sqlite3.h>
 
@@ -12,6 +9,7 @@
 #include "lidar_mapping/common/text.hpp"
 
 #include "bags/cdr_message.hpp"
+#include "bags/file_bytes.hpp"
 #include "bags/ros2_types.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -20,13 +18,6 @@ namespace {
 
 const std::string kSqlite = "SQLite format 3";      // how such a file begins
 const std::string kZstandard = "\x28\xB5\x2F\xFD";  // how such a file begins
-
-std::string beginning_of(const std::string& path, std::size_t length) {
-  std::string text(length, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(&text[0], static_cast<std::streamsize>(length));
-  return text;
-}
 
 bool begins_with(const std::string& text, const std::string& with) {
   return text.compare(0, with.size(), with) == 0;
@@ -73,22 +64,15 @@ class Ros2File::Statement {
 };
 
 bool Ros2File::is_one(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) return false;
   const std::string begin = beginning_of(path, kSqlite.size());
-  const std::string problem = "cannot read the recording " + path + ": ";
   if (begins_with(begin, kZstandard)) {
-    throw FileError(problem + "it is compressed; zstd -d decompresses it");
+    throw FileError("cannot read the recording " + path +
+                    ": it is compressed; zstd -d decompresses it");
   }
   return begins_with(begin, kSqlite);
 }
 
-Ros2File::Ros2File(const std::string& path) : Ros2File(path, nullptr) {}
-
-Ros2File::Ros2File(const std::string& path, const std::vector<std::string>& topics)
-    : Ros2File(path, &topics) {}
-
-/// Without a list of topics all are read.
-Ros2File::Ros2File(const std::string& path, const std::vector<std::string>* topics) : path_(path) {
+Ros2File::Ros2File(const std::string& path, const WantedTopics& topics) : path_(path) {
   open();
   try {
     read_topics(topics);
@@ -118,23 +102,16 @@ void Ros2File::fail(const std::string& reason) const {
                   "; copy it again, or try sqlite3's .recover");
 }
 
-void Ros2File::read_topics(const std::vector<std::string>* topics) {
+void Ros2File::read_topics(const WantedTopics& topics) {
   Statement rows(*this, "SELECT id, name, type, serialization_format FROM topics");
   while (rows.next()) {
     const std::string name = rows.text(1);
-    if (topics != nullptr && std::find(topics->begin(), topics->end(), name) == topics->end()) {
-      continue;
-    }
+    if (!is_wanted(name, topics)) continue;
     if (rows.text(3) != "cdr") {
       fail("topic " + name + " is serialised as '" + rows.text(3) + "', not as cdr");
     }
-    const std::string type = rows.text(2);
-    const Ros2Type* known = ros2_type(type);
-    BagConnection& connection = connections_[rows.number(0)];
-    connection.topic = name;
-    connection.type = known != nullptr ? known->ros1_name : name_in_ros1(type);
-    connection.md5sum = known != nullptr ? known->md5sum : "";
-    ros2_types_[rows.number(0)] = type;
+    connections_[rows.number(0)] = ros2_connection(name, rows.text(2));
+    ros2_types_[rows.number(0)] = rows.text(2);
   }
 }
 
@@ -161,18 +138,21 @@ std::optional<std::pair<Stamp, Stamp>> Ros2File::times() const {
   return std::pair{row.number(0), row.number(1)};
 }
 
-void Ros2File::begin_reading(Stamp from) {
-  has_begun_ = true;
+void Ros2File::begin_reading() {
+  has_row_ = false;
   reading_ = std::make_unique<Statement>(
       *this, "SELECT timestamp, topic_id, data FROM messages" + of_topics() +
-                 " AND timestamp >= " + std::to_string(from) + " ORDER BY timestamp, id");
+                 " AND timestamp >= " + std::to_string(from_) + " ORDER BY timestamp, id");
   has_row_ = reading_->next();
 }
 
-void Ros2File::skip_to(Stamp stamp) { begin_reading(stamp); }
+void Ros2File::skip_to(Stamp stamp) {
+  from_ = stamp;
+  reading_.reset();
+}
 
 std::optional<Stamp> Ros2File::next_time() {
-  if (!has_begun_) begin_reading(std::numeric_limits<Stamp>::min());
+  if (!reading_) begin_reading();
   return has_row_ ? std::optional<Stamp>(reading_->number(0)) : std::nullopt;
 }
 

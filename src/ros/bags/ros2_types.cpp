@@ -109,6 +109,12 @@ const Ros2Type* ros2_type(const std::string& name) {
   return found == types.end() ? nullptr : &found->second;
 }
 
+BagConnection ros2_connection(const std::string& topic, const std::string& type) {
+  const Ros2Type* known = ros2_type(type);
+  if (known == nullptr) return {topic, name_in_ros1(type), "", 0};
+  return {topic, known->ros1_name, known->md5sum, 0};
+}
+
 std::string name_in_ros1(const std::string& name) {
   const std::string middle = "/msg/";
   const std::size_t at = name.find(middle);
