@@ -2,10 +2,15 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <functional>
-#include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace lidar_mapping::ros_border {
@@ -39,14 +44,16 @@ class Worker {
   /// continues.
   explicit Worker(std::function<void(const std::string&, const std::string&)> on_error);
   /// Stops.
-  ~Worker();
+  ~Worker() { stop(); }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
 
   /// Adds a channel in which up to `capacity` tasks may wait (at least one).
   ChannelId add_channel(const std::string& name, std::size_t capacity);
   /// Puts a task into a channel. Never blocks. After stop() the task is dropped.
-  void post(ChannelId channel, Task task);
+  void post(ChannelId id, Task task);
   /// Counts messages that the transport lost before they could be posted.
-  void add_lost(ChannelId channel, std::size_t count);
+  void add_lost(ChannelId id, std::size_t count);
   /// Runs `task` in the thread once after nothing has happened for `after`; again after more work.
   void set_idle_task(std::chrono::milliseconds after, Task task);
   /// Sets what stop() does; at first it discards.
@@ -60,8 +67,33 @@ class Worker {
   std::size_t losses(const std::string& channel) const;
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  struct WaitingTask {
+    std::uint64_t number;  ///< order of arrival over all channels
+    Task task;
+  };
+  struct Channel {
+    std::size_t capacity = 1;
+    std::deque<WaitingTask> tasks;
+    ChannelStatistics statistics;
+  };
+
+  void discard_all();
+  std::optional<ChannelId> next_channel() const;
+  void run();
+  void run_task(ChannelId id, std::unique_lock<std::mutex>& lock);
+  bool wait_for_idle(std::unique_lock<std::mutex>& lock);
+  bool guarded(const std::string& channel, const Task& task);
+
+  std::function<void(const std::string&, const std::string&)> on_error_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Channel> channels_;
+  std::uint64_t next_number_ = 0;
+  std::chrono::milliseconds idle_after_{0};
+  Task idle_task_;
+  OnStop on_stop_ = OnStop::kDiscard;
+  bool stopping_ = false;
+  std::thread thread_;  // last: it uses all of the above
 };
 
 }  // namespace lidar_mapping::ros_border
