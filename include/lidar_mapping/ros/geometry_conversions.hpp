@@ -5,6 +5,7 @@
 
 #include <boost/array.hpp>
 #include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Quaternion.h>
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/Twist.h>
 #include <geometry_msgs/Vector3.h>
@@ -32,6 +33,8 @@ std_msgs::Header header_of(Stamp stamp, const std::string& frame_id);
 /// travels in.
 Eigen::Quaterniond unit(const Eigen::Quaterniond& rotation);
 
+/// A rotation, bit for bit.
+geometry_msgs::Quaternion to_quaternion(const Eigen::Quaterniond& rotation);
 /// Position (m) and orientation.
 geometry_msgs::Pose to_message(const Pose& pose);
 /// Translation (m) and rotation: T_a_b is the transform from a (header) to b (child).

@@ -4,25 +4,18 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
 
+#include "clouds/cloud_fields.hpp"
 #include "clouds/point_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
-
-sensor_msgs::PointField float_field(const std::string& name, std::uint32_t offset) {
-  sensor_msgs::PointField field;
-  field.name = name;
-  field.offset = offset;
-  field.datatype = sensor_msgs::PointField::FLOAT32;
-  field.count = 1;
-  return field;
-}
 
 /// Byte offset of a float field in a point; nothing if there is no such field.
 std::optional<std::size_t> offset_of(const CloudView& message, const std::string& name) {
@@ -44,15 +37,13 @@ std::size_t required_offset(const CloudView& message, const std::string& name) {
 
 OutgoingCloud::OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id)
     : cloud(points) {
-  head.header.stamp = to_ros(stamp);
-  head.header.frame_id = frame_id;
-  head.fields = {float_field("x", 0), float_field("y", 4), float_field("z", 8),
-                 float_field("intensity", 12)};
-  if (cloud.has_times()) head.fields.push_back(float_field("time", 16));
-  head.point_step = cloud.has_times() ? 20 : 16;
-  head.height = 1;
-  head.width = static_cast<std::uint32_t>(cloud.size());
-  head.row_step = head.width * head.point_step;
+  constexpr std::uint8_t kFloat = sensor_msgs::PointField::FLOAT32;
+  std::vector<FieldLayout> fields = {
+      {"x", kFloat, 0}, {"y", kFloat, 4}, {"z", kFloat, 8}, {"intensity", kFloat, 12}};
+  if (cloud.has_times()) fields.push_back({"time", kFloat, 16});
+  const std::uint32_t step = cloud.has_times() ? 20 : 16;
+  head.header = header_of(stamp, frame_id);
+  set_layout(head, fields, step, static_cast<std::uint32_t>(cloud.size()));
   head.is_dense = true;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -57,22 +58,28 @@ Stamp from_ros(const ros::Time& time) {
   return Stamp{time.sec} * kNanosecondsPerSecond + Stamp{time.nsec};
 }
 
+geometry_msgs::Quaternion to_quaternion(const Eigen::Quaterniond& rotation) {
+  geometry_msgs::Quaternion message;
+  message.x = rotation.x();
+  message.y = rotation.y();
+  message.z = rotation.z();
+  message.w = rotation.w();
+  return message;
+}
+
 geometry_msgs::Pose to_message(const Pose& pose) {
   geometry_msgs::Pose message;
   message.position.x = pose.translation.x();
   message.position.y = pose.translation.y();
   message.position.z = pose.translation.z();
-  message.orientation.x = pose.rotation.x();
-  message.orientation.y = pose.rotation.y();
-  message.orientation.z = pose.rotation.z();
-  message.orientation.w = pose.rotation.w();
+  message.orientation = to_quaternion(pose.rotation);
   return message;
 }
 
 geometry_msgs::Transform to_transform(const Pose& pose) {
   geometry_msgs::Transform message;
   message.translation = to_message(pose.translation);
-  message.rotation = to_message(pose).orientation;
+  message.rotation = to_quaternion(pose.rotation);
   return message;
 }
 
@@ -116,9 +123,7 @@ Covariance6 from_array(const CovarianceArray& values) {
 }
 
 std::string frame_name(const std::string& frame_id) {
-  return frame_id.substr(frame_id.find_first_not_of('/') == std::string::npos
-                             ? frame_id.size()
-                             : frame_id.find_first_not_of('/'));
+  return frame_id.substr(std::min(frame_id.find_first_not_of('/'), frame_id.size()));
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -48,8 +48,7 @@ sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id
   message.header = header_of(sample.stamp, frame_id);
   message.angular_velocity = to_message(sample.angular_velocity);
   message.linear_acceleration = to_message(sample.linear_acceleration);
-  const Pose turn{sample.orientation.value_or(Eigen::Quaterniond::Identity()), {0.0, 0.0, 0.0}};
-  message.orientation = to_message(turn).orientation;
+  message.orientation = to_quaternion(sample.orientation.value_or(Eigen::Quaterniond::Identity()));
   message.orientation_covariance[0] = sample.orientation ? 0.0 : kNone;
   message.angular_velocity_covariance[0] = sample.has_angular_velocity ? 0.0 : kNone;
   message.linear_acceleration_covariance[0] = sample.has_linear_acceleration ? 0.0 : kNone;
@@ -123,12 +122,7 @@ void fill(SyncedInputsMessage& message, const UnevenTurning& turning) {
   message.turning_begin = turning.begin;
   message.turning_step = turning.step;
   for (const Eigen::Quaterniond& knot : turning.R_stamp_knot) {
-    geometry_msgs::Quaternion q;
-    q.x = knot.x();
-    q.y = knot.y();
-    q.z = knot.z();
-    q.w = knot.w();
-    message.uneven_turning.push_back(q);
+    message.uneven_turning.push_back(to_quaternion(knot));
   }
 }
 
