@@ -44,6 +44,7 @@ TEST(FromXmlRpc, KeepsEveryType) {
 TEST(FromXmlRpc, ReadsNumbersThatRosparamTakesForWords) {
   EXPECT_EQ(std::get<double>(from_xmlrpc(XmlRpc::XmlRpcValue("1e-6")).data), 1e-6);
   EXPECT_EQ(std::get<double>(from_xmlrpc(XmlRpc::XmlRpcValue("-2.5E3")).data), -2500.0);
+  EXPECT_EQ(std::get<std::string>(from_xmlrpc(XmlRpc::XmlRpcValue("1e999")).data), "1e999");
   EXPECT_EQ(std::get<std::string>(from_xmlrpc(XmlRpc::XmlRpcValue("e3")).data), "e3");
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/parameters.hpp"
 
+#include <cmath>
+#include <cstdlib>
 #include <regex>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -13,7 +15,10 @@ const char* const kEffective = "effective_configuration";
 
 config::Value from_word(const std::string& word) {
   static const std::regex number(R"([-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+)");
-  if (std::regex_match(word, number)) return {std::stod(word)};
+  if (std::regex_match(word, number)) {
+    const double value = std::strtod(word.c_str(), nullptr);
+    if (std::isfinite(value)) return {value};  // 1e999 is refused by the parameter, as a word
+  }
   return {word};
 }
 
