@@ -57,7 +57,9 @@ class BagRecording {
     return {raw.stamp, without_empty_returns(raw.cloud)};
   }
 
-  Pose T_base_sensor() const { return T_base(cloud_at(0).message.header.frame_id); }
+  Pose T_base_sensor() const {
+    return T_base(ros_border::frame_name(cloud_at(0).message.header.frame_id));
+  }
 
  private:
   struct Place {
@@ -73,15 +75,18 @@ class BagRecording {
     throw InputError(path + " has no clouds of points");
   }
 
-  void add_frames(const std::string& path) {
+  void add_frames(const std::string& path) try {
     ros_border::BagStream messages({path}, {"/tf_static"});
     while (const auto message = messages.next()) {
       const auto frames = ros_border::read_transforms(*message);
       if (!frames) continue;
       for (const auto& t : frames->transforms) {
-        frames_[t.child_frame_id] = {t.header.frame_id, ros_border::from_message(t.transform)};
+        frames_[ros_border::frame_name(t.child_frame_id)] = {
+            ros_border::frame_name(t.header.frame_id), ros_border::from_message(t.transform)};
       }
     }
+  } catch (const ros::Exception&) {
+    bag_.fail("a message on /tf_static is damaged");
   }
 
   /// Chunks are read in the order of the messages, so one is kept.
