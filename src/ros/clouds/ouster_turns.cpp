@@ -80,6 +80,8 @@ std::optional<OusterTurn> OusterTurns::add(ByteRange packet, Stamp recorded,
   }
   std::optional<OusterTurn> turn;
   const std::uint16_t frame = decoder_.frame(packet.first);
+  // The network may deliver the last packets of a turn behind the first ones of the next.
+  if (frame_ && frame == static_cast<std::uint16_t>(*frame_ - 1)) return std::nullopt;
   if (frame_ != frame) {
     if (frame_) turn = take(clock);
     frame_ = frame;

@@ -38,8 +38,8 @@ class OusterTurns {
   const preprocessing::OusterDecoder& decoder() const { return decoder_; }
 
   /// Takes a packet; gives the turn before if a new one begins with it. A first turn that does not
-  /// begin with its first column is left out, as recordings begin anywhere. Throws InputError for a
-  /// packet of another size.
+  /// begin with its first column is left out, as recordings begin anywhere; so is a packet of the
+  /// turn before that comes late. Throws InputError for a packet of another size.
   std::optional<OusterTurn> add(ByteRange packet, Stamp recorded, const OusterClock& clock);
   /// The last turn, if it has its last column.
   std::optional<OusterTurn> finish(const OusterClock& clock);
