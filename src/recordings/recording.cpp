@@ -96,11 +96,8 @@ class BagRecording {
       content_ = bag_.read(place.chunk, memory_);
       content_of_ = place.chunk.position;
     }
-    BagMessage message;
-    message.connection = &bag_.connections().at(place.entry.connection);
-    message.recorded = place.entry.recorded;
-    message.data = bag_.message(content_, place.entry).data;
-    message.memory = content_.bytes;
+    const BagMessage message{&bag_.connections().at(place.entry.connection), place.entry.recorded,
+                             bag_.message(content_, place.entry).data, content_.bytes};
     try {
       if (auto cloud = ros_border::read_cloud(message)) return *cloud;
     } catch (const ros::Exception&) {

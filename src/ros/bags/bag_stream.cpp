@@ -116,12 +116,8 @@ std::optional<BagMessage> BagStream::take_from(Ros2Recording& recording) {
   }
   if (!taken.damage.empty()) add_damage(taken.recorded, FileError(taken.damage));
   if (!taken.data) return std::nullopt;
-  BagMessage message;
-  message.connection = taken.connection;
-  message.recorded = taken.recorded;
-  message.data = {taken.data->data(), taken.data->size()};
-  message.memory = taken.data;
-  return message;
+  return BagMessage{
+      taken.connection, taken.recorded, {taken.data->data(), taken.data->size()}, taken.data};
 }
 
 /// The next message of a chunk; nothing if it, or the whole chunk, is damaged.
@@ -129,12 +125,9 @@ std::optional<BagMessage> BagStream::message_at(OpenChunks::iterator at) try {
   const ChunkedRecording& file = *bags_[std::get<1>(at->first)].file;
   const BagEntry& entry = at->second.entries[at->second.next];
   const ChunkContent& chunk = content(at);
-  BagMessage message;
-  message.connection = &file.connections().at(entry.connection);
-  message.recorded = entry.recorded;
-  StoredMessage stored = file.message(chunk, entry);
-  message.data = stored.data;
-  message.memory = std::move(stored.memory);
+  const StoredMessage stored = file.message(chunk, entry);
+  BagMessage message{&file.connections().at(entry.connection), entry.recorded, stored.data,
+                     stored.memory};
   advance(at);
   return message;
 } catch (const FileError& error) {

@@ -10,17 +10,6 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-std::vector<CloudType> types() {
-  // The MD5 sums of types of drivers are those of the packages' message definitions.
-  const char* const livox = "e4d6829bdfe657cb6c21a746c86b21a6";
-  return {
-      {"sensor_msgs/PointCloud2", ros::message_traits::MD5Sum<sensor_msgs::PointCloud2>::value()},
-      {"livox_ros_driver/CustomMsg", livox},
-      {"livox_ros_driver2/CustomMsg", livox},
-      {"velodyne_msgs/VelodyneScan", "50804fc9533a0e579e6322c04ae70566"},
-      {"sensor_msgs/PointCloud", ros::message_traits::MD5Sum<sensor_msgs::PointCloud>::value()}};
-}
-
 std::vector<std::string> names() {
   std::vector<std::string> names;
   for (const CloudType& type : cloud_types()) names.push_back(type.name);
@@ -37,7 +26,14 @@ const CloudType* find(const std::string& name) {
 }  // namespace
 
 const std::vector<CloudType>& cloud_types() {
-  static const std::vector<CloudType> all = types();
+  // The MD5 sums of types of drivers are those of the packages' message definitions.
+  static const std::string livox = "e4d6829bdfe657cb6c21a746c86b21a6";
+  static const std::vector<CloudType> all = {
+      {"sensor_msgs/PointCloud2", ros::message_traits::MD5Sum<sensor_msgs::PointCloud2>::value()},
+      {"livox_ros_driver/CustomMsg", livox},
+      {"livox_ros_driver2/CustomMsg", livox},
+      {"velodyne_msgs/VelodyneScan", "50804fc9533a0e579e6322c04ae70566"},
+      {"sensor_msgs/PointCloud", ros::message_traits::MD5Sum<sensor_msgs::PointCloud>::value()}};
   return all;
 }
 

@@ -58,16 +58,12 @@ BagMessage serialized(const Message& message, const BagConnection& connection, S
   const auto bytes = std::make_shared<std::vector<std::uint8_t>>(size);
   ros::serialization::OStream stream(bytes->data(), size);
   ros::serialization::serialize(stream, message);
-  BagMessage made;
-  made.connection = &connection;
-  made.recorded = recorded;
-  made.data = {bytes->data(), bytes->size()};
-  made.memory = bytes;
-  return made;
+  return {&connection, recorded, {bytes->data(), bytes->size()}, bytes};
 }
 
-/// The bytes of a packet, which are all of its message. Throws ros::Exception if they are cut off.
-ByteRange packet_in(const BagMessage& message) {
+/// The bytes of a packet or a text, which are all of its message. Throws ros::Exception if they are
+/// cut off.
+ByteRange bytes_in(const BagMessage& message) {
   ros::serialization::IStream stream = message.stream();
   std::uint32_t size = 0;
   stream.next(size);
@@ -76,7 +72,7 @@ ByteRange packet_in(const BagMessage& message) {
 
 /// Throws InputError for a packet of another size; older drivers add a byte.
 ImuSample imu_in(const BagMessage& message) {
-  const ByteRange packet = packet_in(message);
+  const ByteRange packet = bytes_in(message);
   constexpr std::size_t kSize = preprocessing::kOusterImuPacket;
   if (packet.size != kSize && packet.size != kSize + 1) {
     throw InputError("a packet of an Ouster's IMU has " + std::to_string(packet.size) +
@@ -95,11 +91,8 @@ std::string text_on(const std::vector<std::string>& paths, const std::string& to
   BagStream messages(paths, {topic}, BagStream::Packets::kAsTheyAre);
   while (const auto message = messages.next()) {
     if (!message->is<std_msgs::String>()) continue;
-    ros::serialization::IStream stream = message->stream();
-    std::uint32_t size = 0;
-    stream.next(size);
-    const std::uint8_t* first = stream.advance(size);
-    return {reinterpret_cast<const char*>(first), size};
+    const ByteRange text = bytes_in(*message);
+    return {reinterpret_cast<const char*>(text.first), text.size};
   }
   throw InputError("no message on " + topic + " can be read");
 }
@@ -207,7 +200,7 @@ void OusterTopics::add_sensor(const std::vector<std::string>& paths, const std::
         preprocessing::OusterDecoder(ouster_format(text_on(paths, name + kMetadata))));
     const preprocessing::OusterDecoder& decoder = sensor.turns->decoder();
     sensor.clock = clock_of(paths, name + kPoints, [&](const BagMessage& message) {
-      const ByteRange packet = packet_in(message);
+      const ByteRange packet = bytes_in(message);
       if (packet.size < decoder.packet_size()) throw InputError("a packet is cut off");
       return decoder.last_stamp(packet.first);
     });
@@ -233,7 +226,7 @@ std::optional<BagMessage> OusterTopics::made_of(const BagMessage& message) {
   const auto points = sensors_.find(name_of(message.topic(), kPoints));
   if (points == sensors_.end() || !points->second.turns) return std::nullopt;
   Sensor& sensor = points->second;
-  const auto turn = sensor.turns->add(packet_in(message), message.recorded, sensor.clock);
+  const auto turn = sensor.turns->add(bytes_in(message), message.recorded, sensor.clock);
   if (!turn) return std::nullopt;
   return serialized(turn->cloud, sensor.points, turn->recorded);
 }

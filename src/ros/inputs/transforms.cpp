@@ -45,8 +45,7 @@ std::optional<Pose> SensorFrames::ask(const std::string& target, const std::stri
 void TransformPublisher::send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
                               const std::string& child) {
   geometry_msgs::TransformStamped message;
-  message.header.stamp = to_ros(stamp);
-  message.header.frame_id = parent;
+  message.header = header_of(stamp, parent);
   message.child_frame_id = child;
   message.transform = to_transform(T_parent_child);
   broadcaster_.sendTransform(message);
