@@ -31,10 +31,8 @@ struct SensorTopics {
 /// Topics, without namespace, that this package's nodes and its simulator publish with the types of
 /// sensors' messages. They may be in a recording, but belong to no sensor.
 const std::vector<std::string>& own_outputs();
-
-/// The topic of that type with most messages, without those that this package publishes; empty if
-/// there is none.
-std::string busiest_topic(const BagSet& bags, const std::string& type);
+/// Whether this package publishes the topic, in any namespace.
+bool is_own_output(const std::string& topic);
 
 /// The first readable cloud of a topic; empty if there is none.
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic);

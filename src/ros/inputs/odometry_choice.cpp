@@ -11,8 +11,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-
-#include "inputs/own_output.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
 
 namespace lidar_mapping::ros_border {
 

@@ -2,7 +2,6 @@
 #include "lidar_mapping/ros/topic_choice.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <tuple>
@@ -16,19 +15,20 @@
 
 #include "clouds/time_fields.hpp"
 #include "inputs/odometry_choice.hpp"
-#include "inputs/own_output.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Number of messages of each topic of that type.
-std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::string& type) {
-  std::map<std::string, std::size_t> sizes;
+/// The topic of that type with most messages, without those that this package publishes; empty if
+/// there is none.
+std::string busiest_topic(const BagSet& bags, const std::string& type) {
+  const BagTopic* busiest = nullptr;
   for (const BagTopic& topic : bags.topics()) {
-    if (topic.type == type && !is_own_output(topic.name)) sizes[topic.name] += topic.messages;
+    if (topic.type != type || is_own_output(topic.name)) continue;
+    if (busiest == nullptr || topic.messages > busiest->messages) busiest = &topic;
   }
-  return sizes;
+  return busiest == nullptr ? "" : busiest->name;
 }
 
 /// Kind of sensor by the cloud's fields; a larger value is more likely a LiDAR.
@@ -93,6 +93,12 @@ const std::vector<std::string>& own_outputs() {
   return names;
 }
 
+bool is_own_output(const std::string& topic) {
+  const std::vector<std::string>& own = own_outputs();
+  const std::string name = topic.substr(topic.find_last_of('/') + 1);
+  return std::find(own.begin(), own.end(), name) != own.end();
+}
+
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic) {
   BagStream messages = bags.messages_of({topic});
   while (const auto message = messages.next()) {
@@ -103,13 +109,6 @@ std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& 
     }
   }
   return std::nullopt;
-}
-
-std::string busiest_topic(const BagSet& bags, const std::string& type) {
-  const auto sizes = topics_of(bags, type);
-  const auto most = std::max_element(
-      sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == sizes.end() ? std::string() : most->first;
 }
 
 std::vector<std::string> cloud_topics(const BagSet& bags) {
