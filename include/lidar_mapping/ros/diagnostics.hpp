@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/wall_timer.h>
@@ -22,10 +23,10 @@ namespace lidar_mapping::ros_border {
 class Diagnostics {
  public:
   /// Levels of diagnostic_msgs/DiagnosticStatus.
-  enum class Level {
-    kOk,       ///< all is well
-    kWarning,  ///< something is lost or left out
-    kError     ///< the node does not do its work
+  enum class Level : unsigned char {
+    kOk = diagnostic_msgs::DiagnosticStatus::OK,         ///< all is well
+    kWarning = diagnostic_msgs::DiagnosticStatus::WARN,  ///< something is lost or left out
+    kError = diagnostic_msgs::DiagnosticStatus::ERROR    ///< the node does not do its work
   };
 
   /// Starts the reports. `worker` is the one whose channels are reported, and outlives this object.

@@ -62,8 +62,7 @@ McapChannel mcap_channel(ByteRange content) {
 
 McapChunkHead mcap_chunk_head(McapReader& reader) {
   McapChunkHead head;
-  head.begin = reader.time();
-  head.end = reader.time();
+  for (int i = 0; i < 2; ++i) reader.time();  // of the first and the last message
   head.size = reader.u64();
   head.crc = reader.u32();
   head.compression = reader.text();
@@ -87,7 +86,7 @@ McapChunkIndex mcap_chunk_index(ByteRange content) {
   McapReader reader(content);
   McapChunkIndex index;
   index.begin = reader.time();
-  index.end = reader.time();
+  reader.time();  // of the last message
   index.position = reader.u64();
   index.length = reader.u64();
   McapReader channels = list_of(reader);

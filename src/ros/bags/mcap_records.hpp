@@ -72,8 +72,6 @@ struct McapChannel {
 
 /// What a chunk says of its content, which follows.
 struct McapChunkHead {
-  Stamp begin = 0;         ///< log time of its first message
-  Stamp end = 0;           ///< log time of its last message
   std::uint64_t size = 0;  ///< bytes of the content, decompressed
   std::uint32_t crc = 0;   ///< of the decompressed content; 0: unknown
   std::string compression;
@@ -94,8 +92,7 @@ struct McapMessageIndex {
 
 /// Where a chunk is.
 struct McapChunkIndex {
-  Stamp begin = 0;
-  Stamp end = 0;
+  Stamp begin = 0;                 ///< log time of its first message
   std::uint64_t position = 0;      ///< of the chunk's record, bytes
   std::uint64_t length = 0;        ///< of that record with its head, bytes
   std::uint64_t index_length = 0;  ///< of the message indexes behind it, bytes

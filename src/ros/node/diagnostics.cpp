@@ -12,18 +12,6 @@ namespace {
 
 const ros::WallDuration kReportInterval(1.0);
 
-unsigned char to_byte(Diagnostics::Level level) {
-  using diagnostic_msgs::DiagnosticStatus;
-  switch (level) {
-    case Diagnostics::Level::kOk:
-      return DiagnosticStatus::OK;
-    case Diagnostics::Level::kWarning:
-      return DiagnosticStatus::WARN;
-    default:
-      return DiagnosticStatus::ERROR;
-  }
-}
-
 /// Name of the computer, as hardware ID: a node has no other hardware.
 std::string computer() {
   std::array<char, 256> name{};
@@ -90,7 +78,7 @@ void Diagnostics::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const ros::WallTime now = ros::WallTime::now();
   const double seconds = std::max(1e-3, (now - reported_at_).toSec());
   reported_at_ = now;
-  status.summary(to_byte(level_), state_);
+  status.summary(static_cast<unsigned char>(level_), state_);
   status.addf("input rate (Hz)", "%.1f", static_cast<double>(input_.count) / seconds);
   status.addf("output rate (Hz)", "%.1f", static_cast<double>(output_.count) / seconds);
   input_.count = output_.count = 0;
