@@ -16,6 +16,9 @@ constexpr double kPeriod = 0.1;         // s, of a turn
 /// Where in the turn a point is, 0 to 1.
 inline double fraction(std::size_t i) { return static_cast<double>(i) / (kCount - 1); }
 
+/// When a point was measured, in s from the beginning of the turn.
+inline double turn_time(std::size_t i) { return kPeriod * fraction(i); }
+
 /// The points of put_positions() and, for each, `time(i)`.
 template <typename Time>
 void expect_points(const ros_border::DecodedCloud& decoded, const Time& time, double tolerance) {

@@ -23,6 +23,7 @@ using test::kCount;
 using test::kPeriod;
 using test::plain_cloud;
 using test::put;
+using test::turn_time;
 using test::xyz_cloud;
 
 TEST(PointLayouts, ReadsVelodyne) {
@@ -86,8 +87,7 @@ TEST(PointLayouts, ReadsLivox) {
     put(message, i, 15, static_cast<std::uint32_t>(std::lround(fraction(i) * 1e8)));
   }
   const DecodedCloud decoded = decode(message, {});
-  expect_points(
-      decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-8);
+  expect_points(decoded, turn_time, 1e-8);
   EXPECT_EQ(decoded.scan.cloud.points[0].intensity, 200.0F);
   EXPECT_EQ(decoded.format.intensity_field, "reflectivity");
 }
@@ -109,8 +109,7 @@ TEST(PointLayouts, ReadsPointsThatDoNotBeginWithTheirCoordinates) {
     put(message, i, 24, 0.5F * value);
   }
   const DecodedCloud decoded = decode(message, {});
-  expect_points(
-      decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+  expect_points(decoded, turn_time, 1e-6);
   for (std::size_t i = 0; i < kCount; ++i) {
     EXPECT_EQ(decoded.scan.cloud.points[i].intensity, 0.5F * static_cast<float>(i));
   }

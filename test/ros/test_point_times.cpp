@@ -22,6 +22,7 @@ using test::kCount;
 using test::kPeriod;
 using test::plain_cloud;
 using test::put;
+using test::turn_time;
 using test::xyz_cloud;
 
 TEST(PointTimes, ReadsAbsoluteTimesInAnyUnit) {  // A float cannot hold them
@@ -89,8 +90,7 @@ TEST(PointTimes, AddsTheHalvesOfALongCount) {
       put(message, i, 12, static_cast<std::uint32_t>(time & 0xFFFFFFFFU));
     }
     const DecodedCloud decoded = decode(message, {});
-    expect_points(
-        decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+    expect_points(decoded, turn_time, 1e-6);
     EXPECT_EQ(decoded.format.time_unit, "ns");
     EXPECT_TRUE(decoded.scan.times_are_absolute);
   }
@@ -114,8 +114,7 @@ TEST(PointTimes, ReadsCountsOfEightBytes) {
       put(message, i, 16, std::int64_t{1673400677'000000000} + std::llround(1e8 * fraction(i)));
     }
     const DecodedCloud decoded = decode(message, {});
-    expect_points(
-        decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+    expect_points(decoded, turn_time, 1e-6);
     EXPECT_EQ(decoded.format.time_unit, "ns");
     EXPECT_EQ(decoded.format.time_field, "TimeStamp");
   }
@@ -127,8 +126,7 @@ TEST(PointTimes, ReadsTimesUnderOtherNames) {
     for (std::size_t i = 0; i < kCount; ++i) {
       put(message, i, 12, static_cast<std::uint32_t>(std::lround(1e8 * fraction(i))));
     }
-    expect_points(
-        decode(message, {}), [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+    expect_points(decode(message, {}), turn_time, 1e-6);
   }
 }
 
@@ -136,8 +134,7 @@ TEST(PointTimes, CountsTimesOfAForeignClockFromTheFirstPoint) {
   PointCloud2 message = absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0);
   message.header.stamp = ros::Time(1700000000, 0);
   const DecodedCloud decoded = decode(message, {});
-  expect_points(
-      decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+  expect_points(decoded, turn_time, 1e-6);
   EXPECT_TRUE(decoded.format.foreign_clock);
   EXPECT_FALSE(decoded.scan.times_are_absolute);
 }
@@ -166,8 +163,7 @@ TEST(PointTimes, FindsTheUnitOfFloatsByThePeriod) {
       put(message, i, 12, static_cast<float>(kPeriod * fraction(i) / unit));
     }
     const DecodedCloud decoded = decode(message, {});
-    expect_points(
-        decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-7);
+    expect_points(decoded, turn_time, 1e-7);
     EXPECT_EQ(decoded.format.time_unit, name);
   }
 }
