@@ -16,12 +16,7 @@ namespace {
 
 constexpr Stamp kStamp = 1317384506123456789;
 
-std_msgs::Header header() {
-  std_msgs::Header header;
-  header.stamp = to_ros(kStamp);
-  header.frame_id = "sensor";
-  return header;
-}
+std_msgs::Header header() { return header_of(kStamp, "sensor"); }
 
 geometry_msgs::Twist twist() {
   geometry_msgs::Twist twist;
@@ -119,6 +114,12 @@ class SensorInputs : public testing::Test {
     return read(*messages.next());
   }
   SensorTopics topics() { return topics_in(bags()); }
+  static std::vector<preprocessing::CheckDiagnostic> gnss_diagnostics(const BagSet& drive) {
+    RecordingCheck recording;
+    recording.bags = &drive;
+    recording.topics = topics_in(drive);
+    return check(recording, {}).back().diagnostics;
+  }
   BagSet bags() {
     bag_.close();
     return BagSet({(folder_.path() / "drive.bag").string()});
@@ -188,10 +189,7 @@ TEST_F(SensorInputs, FixesAreReadFromTheSentencesOfAReceiver) {
   EXPECT_NEAR(fix->sample.latitude_deg, 49.01, 1e-9);
   EXPECT_NEAR(fix->sample.altitude_m, 115.5, 1e-9);
   EXPECT_TRUE(read_gnss(as_received(sentence(kGga))));
-  RecordingCheck recording;
-  recording.bags = &there;
-  recording.topics = topics();
-  for (const auto& diagnostic : check(recording, {}).back().diagnostics) {
+  for (const auto& diagnostic : gnss_diagnostics(there)) {
     EXPECT_EQ(diagnostic.text.find("not NavSatFix"), std::string::npos) << diagnostic.text;
   }
 }
@@ -200,11 +198,7 @@ TEST_F(SensorInputs, AReceiverThatSendsRmcAloneIsReported) {
   for (int i = 0; i < 60; ++i) {
     record("/nmea_sentence", sentence("$GPRMC,123519,A,4900.600,N,00825.800,E,0,0,230394,,"));
   }
-  const BagSet there = bags();
-  RecordingCheck recording;
-  recording.bags = &there;
-  recording.topics = topics();
-  const auto diagnostics = check(recording, {}).back().diagnostics;
+  const auto diagnostics = gnss_diagnostics(bags());
   EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const auto& diagnostic) {
     return diagnostic.text.find("no GGA among") != std::string::npos;
   }));
