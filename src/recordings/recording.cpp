@@ -12,7 +12,6 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/ros/bag_file.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/cloud_reader.hpp"
 #include "lidar_mapping/ros/cloud_types.hpp"
@@ -29,7 +28,6 @@ using FrameTree = std::map<std::string, std::pair<std::string, Pose>>;
 
 using ros_border::BagChunk;
 using ros_border::BagEntry;
-using ros_border::BagFile;
 using ros_border::BagMessage;
 using ros_border::BagSet;
 using ros_border::BagTopic;
@@ -37,16 +35,17 @@ using ros_border::RecordedCloud;
 
 class BagRecording {
  public:
-  BagRecording(const std::string& path, const std::string& topic)
-      : bag_(path, std::vector<std::string>{topic.empty() ? first_cloud_topic(path) : topic}) {
-    add_frames(path);
-    for (const BagChunk& chunk : bag_.chunks()) {
-      for (const BagEntry& entry : bag_.entries(chunk)) messages_.push_back({chunk, entry});
+  BagRecording(const std::string& path, const std::string& topic) : path_(path) {
+    const std::string clouds = topic.empty() ? first_cloud_topic(path) : topic;
+    bag_ = ros_border::open_chunked(path, std::vector<std::string>{clouds});
+    add_frames();
+    for (const BagChunk& chunk : bag_->chunks()) {
+      for (const BagEntry& entry : bag_->entries(chunk)) messages_.push_back({chunk, entry});
     }
     std::stable_sort(messages_.begin(), messages_.end(), [](const Place& a, const Place& b) {
       return a.entry.recorded < b.entry.recorded;
     });
-    if (messages_.empty()) throw InputError(path + " has no message on " + topic);
+    if (messages_.empty()) throw InputError(path + " has no message on " + clouds);
   }
 
   std::size_t size() const { return messages_.size(); }
@@ -75,8 +74,8 @@ class BagRecording {
     throw InputError(path + " has no clouds of points");
   }
 
-  void add_frames(const std::string& path) try {
-    ros_border::BagStream messages({path}, {"/tf_static"});
+  void add_frames() try {
+    ros_border::BagStream messages({path_}, {"/tf_static"});
     while (const auto message = messages.next()) {
       const auto frames = ros_border::read_transforms(*message);
       if (!frames) continue;
@@ -86,22 +85,27 @@ class BagRecording {
       }
     }
   } catch (const ros::Exception&) {
-    bag_.fail("a message on /tf_static is damaged");
+    fail("a message on /tf_static is damaged");
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw FileError("cannot read " + path_ + ": " + reason + "; copy it again, or record it anew");
   }
 
   /// Chunks are read in the order of the messages, so one is kept.
   RecordedCloud cloud_at(std::size_t index) const {
     const Place& place = messages_[index];
     if (!content_.bytes || place.chunk.position != content_of_) {
-      content_ = bag_.read(place.chunk, memory_);
+      content_ = bag_->read(place.chunk, memory_);
       content_of_ = place.chunk.position;
     }
-    const BagMessage message{&bag_.connections().at(place.entry.connection), place.entry.recorded,
-                             bag_.message(content_, place.entry).data, content_.bytes};
+    const ros_border::StoredMessage stored = bag_->message(content_, place.entry);
+    const BagMessage message{&bag_->connections().at(place.entry.connection), place.entry.recorded,
+                             stored.data, stored.memory};
     try {
       if (auto cloud = ros_border::read_cloud(message)) return *cloud;
     } catch (const ros::Exception&) {
-      bag_.fail("scan " + std::to_string(index) + " is damaged");
+      fail("scan " + std::to_string(index) + " is damaged");
     }
     throw InputError(message.topic() + " holds no clouds of points");
   }
@@ -131,7 +135,8 @@ class BagRecording {
   }
 
   const ros_border::CloudReader reader_{preprocessing::PreprocessingConfig()};
-  mutable BagFile bag_;
+  std::string path_;
+  std::unique_ptr<ros_border::ChunkedRecording> bag_;
   FrameTree frames_;
   std::vector<Place> messages_;
   mutable ros_border::ChunkMemory memory_;

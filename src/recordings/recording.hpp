@@ -17,8 +17,8 @@ struct Recording {
   Pose T_base_sensor;  ///< by the transforms of the recording, else the identity
 };
 
-/// A folder as KITTI lays it out, or a bag with a topic of clouds (the first one, unless
-/// `topic` names one) and, if it is there, /tf_static. Throws FileError or InputError.
+/// A folder as KITTI lays it out, or a bag or MCAP file with a topic of clouds (the first one,
+/// unless `topic` names one) and, if it is there, /tf_static. Throws FileError or InputError.
 Recording open_recording(const std::string& path, const std::string& topic,
                          const pipeline::KittiReadOptions& reading);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lidar_mapping/ros/bag_file.hpp"
+#include "bags/bag_file.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -65,227 +65,251 @@ std::optional<HeaderFields> header_fields(ByteRange bytes) {
   return fields;
 }
 
-}  // namespace
-
 /// Record of a bag: "name=value" fields, and the position of the data after them.
-struct BagFile::Record {
+struct Record {
   std::uint64_t position = 0;
   HeaderFields fields;
   std::uint64_t data = 0;
   std::uint32_t size = 0;
 
   std::uint64_t end() const { return data + size; }
-  template <typename Number>
-  Number number(const BagFile& file, const std::string& name) const {
-    return number_at<Number>(bytes(file, name, sizeof(Number)));
-  }
-  Stamp time(const BagFile& file, const std::string& name) const {
-    return time_at(bytes(file, name, 8));
-  }
-  const std::uint8_t* bytes(const BagFile& file, const std::string& name,
-                            std::size_t expected) const {
-    const auto field = fields.find(name);
-    if (field == fields.end() || field->second.size() != expected) file.fail_at(position);
-    return reinterpret_cast<const std::uint8_t*>(field->second.data());
-  }
-  bool is(const BagFile& file, Operation operation) const {
-    return number<std::uint8_t>(file, "op") == operation;
-  }
 };
 
-BagFile::BagFile(const std::string& path, const WantedTopics& topics) : path_(path) {
-  const std::string problem = "cannot read the bag " + path + ": ";
+/// The path, if there is such a file.
+const std::string& of_file(const std::string& path) {
   if (std::filesystem::is_directory(path)) {
-    throw FileError(problem + "it is a folder; name the bags in it");
+    throw FileError("cannot read the bag " + path + ": it is a folder; name the bags in it");
   }
   if (!std::filesystem::is_regular_file(path)) {
-    throw FileError(problem + "there is no such file; check its path");
+    throw FileError("cannot read the bag " + path + ": there is no such file; check its path");
   }
-  file_ = std::make_unique<const FileBytes>(path, "bag", "try rosbag reindex");
-  if (file_->size() == 0) throw FileError(problem + "it is empty; copy or record it again");
-  read_index(topics);
+  return path;
 }
 
-BagFile::~BagFile() = default;
-
-void BagFile::fail(const std::string& reason) const { file_->fail(reason); }
-
-void BagFile::fail_at(std::uint64_t position) const {
-  fail("the record at byte " + std::to_string(position) + " is damaged");
-}
-
-void BagFile::fail_chunk(std::uint64_t position) const {
-  fail("a chunk is damaged at byte " + std::to_string(position));
-}
-
-BagFile::Record BagFile::record_at(std::uint64_t position) const {
-  // Bytes; chosen: far above any header, whose fields are short.
-  constexpr std::uint32_t kLongestHeader = 1'000'000;
-  std::uint32_t length = 0;
-  if (position >= file_->size()) fail("its end is missing");
-  file_->read(position, &length, sizeof length);
-  if (length > kLongestHeader) fail_at(position);
-  std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
-  file_->read(position + sizeof length, text.data(), text.size());
-  const auto fields = header_fields({text.data(), length});
-  if (!fields) fail_at(position);
-  const Record record{position, *fields, position + sizeof length + text.size(),
-                      number_at<std::uint32_t>(text.data() + length)};
-  if (record.end() > file_->size()) {
-    fail("its end is missing, within the record at byte " + std::to_string(position));
+class BagFile : public ChunkedRecording {
+ public:
+  BagFile(const std::string& path, const WantedTopics& topics)
+      : path_(path), file_(of_file(path), "bag", "try rosbag reindex") {
+    if (file_.size() == 0) {
+      throw FileError("cannot read the bag " + path + ": it is empty; copy or record it again");
+    }
+    read_index(topics);
   }
-  return record;
-}
 
-void BagFile::read_index(const WantedTopics& topics) {
-  char version[kVersionLength] = {};
-  file_->read(0, version, std::min<std::uint64_t>(file_->size(), sizeof version));
-  if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
-    throw FileError("cannot read the bag " + path_ +
-                    ": it is no bag; rosbag info says what one holds");
+  const std::map<std::uint32_t, BagConnection>& connections() const override {
+    return connections_;
   }
-  if (std::memcmp(version, kVersion, sizeof version) != 0) {
-    fail("it is not of version 2.0 (rosbag fix converts it)");
-  }
-  const Record bag = record_at(kVersionLength);
-  if (!bag.is(*this, kBagHeader)) fail_at(bag.position);
-  const auto encryptor = bag.fields.find("encryptor");
-  if (encryptor != bag.fields.end() && !encryptor->second.empty()) {
-    fail("it is encrypted (rosbag decrypt helps)");
-  }
-  std::uint64_t position = index_position(bag);
-  const auto records = bag.number<std::uint32_t>(*this, "conn_count") +
-                       std::uint64_t{bag.number<std::uint32_t>(*this, "chunk_count")};
-  for (std::uint64_t i = 0; i < records; ++i) {
-    const Record record = record_at(position);
-    if (record.is(*this, kConnection)) add_connection(record, topics);
-    if (record.is(*this, kChunkInfo)) add_chunk(record);
-    position = record.end();
-  }
-  const auto earlier = [](const BagChunk& a, const BagChunk& b) {
-    return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
-  };
-  std::sort(chunks_.begin(), chunks_.end(), earlier);
-}
+  const std::vector<BagChunk>& chunks() const override { return chunks_; }
 
-/// Position of the index; 0 if the recording was killed.
-std::uint64_t BagFile::index_position(const Record& header) const {
-  const auto position = header.number<std::uint64_t>(*this, "index_pos");
-  if (position == 0) {
-    throw FileError("cannot read the bag " + path_ +
-                    ": it has no index, as its recording was broken off; rosbag reindex makes one");
+  std::vector<BagEntry> entries(const BagChunk& chunk) override {
+    std::vector<BagEntry> entries;
+    const Record head = record_at(chunk.position);
+    file_.prefetch(head.end(), kAhead);
+    Record record = record_at(head.end());
+    while (is(record, kIndex)) {
+      add_entries(record, entries);
+      record = record_at(record.end());
+    }
+    std::sort(entries.begin(), entries.end(), [](const BagEntry& a, const BagEntry& b) {
+      return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
+    });
+    return entries;
   }
-  if (position < header.end()) fail_at(header.position);
-  return position;
-}
 
-void BagFile::add_connection(const Record& record, const WantedTopics& topics) {
-  const auto topic = record.fields.find("topic");
-  if (topic == record.fields.end()) fail_at(record.position);
-  if (!is_wanted(topic->second, topics)) return;
-  std::vector<std::uint8_t> text(record.size);
-  file_->read(record.data, text.data(), text.size());
-  const auto fields = header_fields({text.data(), text.size()});
-  if (!fields) fail_at(record.position);
-  BagConnection& connection = connections_[record.number<std::uint32_t>(*this, "conn")];
-  connection.topic = topic->second;
-  const auto type = fields->find("type");
-  const auto md5sum = fields->find("md5sum");
-  if (type != fields->end()) connection.type = type->second;
-  if (md5sum != fields->end()) connection.md5sum = md5sum->second;
-}
-
-/// The data of the record have the number of messages of each connection in the chunk.
-void BagFile::add_chunk(const Record& record) {
-  std::vector<std::uint8_t> counts(record.size / 8 * 8);
-  file_->read(record.data, counts.data(), counts.size());
-  bool has_wanted = false;
-  for (std::size_t i = 0; i < counts.size(); i += 8) {
-    const auto connection = connections_.find(number_at<std::uint32_t>(&counts[i]));
-    if (connection == connections_.end()) continue;
-    connection->second.messages += number_at<std::uint32_t>(&counts[i + 4]);
-    has_wanted = true;
-  }
-  if (!has_wanted) return;
-  chunks_.push_back(
-      {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
-}
-
-std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) {
-  std::vector<BagEntry> entries;
-  const Record head = record_at(chunk.position);
-  file_->prefetch(head.end(), kAhead);
-  Record record = record_at(head.end());
-  while (record.is(*this, kIndex)) {
-    add_entries(record, entries);
-    record = record_at(record.end());
-  }
-  std::sort(entries.begin(), entries.end(), [](const BagEntry& a, const BagEntry& b) {
-    return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
-  });
-  return entries;
-}
-
-void BagFile::add_entries(const Record& record, std::vector<BagEntry>& entries) const {
-  // Bytes of time and offset, by version 1 of index data in bag format 2.0.
-  constexpr std::size_t kEntry = 12;
-  const auto connection = record.number<std::uint32_t>(*this, "conn");
-  if (connections_.count(connection) == 0) return;
-  std::vector<std::uint8_t> text(record.size / kEntry * kEntry);
-  file_->read(record.data, text.data(), text.size());
-  for (std::size_t i = 0; i < text.size(); i += kEntry) {
-    if (number_at<std::uint32_t>(&text[i + 4]) >= kNanosecondsPerSecond) fail_at(record.position);
-    entries.push_back({time_at(&text[i]), number_at<std::uint32_t>(&text[i + 8]), connection});
-  }
-}
-
-ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
-  const Record record = record_at(chunk.position);
-  const auto compression = record.fields.find("compression");
-  if (!record.is(*this, kChunk) || compression == record.fields.end()) {
-    fail_at(record.position);
-  }
-  ChunkContent content;
-  content.size = record.number<std::uint32_t>(*this, "size");
-  if (content.size > largest_content(compression->second, record.size)) fail_chunk(record.position);
-  content.bytes = memory.take(content.size);
-  if (compression->second == "none") {
-    if (record.size != content.size) fail_chunk(record.position);
-    file_->read(record.data, content.bytes.get(), content.size);
+  ChunkContent read(const BagChunk& chunk, ChunkMemory& memory) override {
+    const Record record = record_at(chunk.position);
+    const auto compression = record.fields.find("compression");
+    if (!is(record, kChunk) || compression == record.fields.end()) {
+      fail_at(record.position);
+    }
+    ChunkContent content;
+    content.size = number<std::uint32_t>(record, "size");
+    if (content.size > largest_content(compression->second, record.size)) {
+      fail_chunk(record.position);
+    }
+    content.bytes = memory.take(content.size);
+    if (compression->second == "none") {
+      if (record.size != content.size) fail_chunk(record.position);
+      file_.read(record.data, content.bytes.get(), content.size);
+      return content;
+    }
+    compressed_.resize(std::max<std::size_t>(compressed_.size(), record.size));
+    file_.read(record.data, compressed_.data(), record.size);
+    try {
+      decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
+                 content.size);
+    } catch (const InputError& error) {
+      fail(std::string(error.what()) + " at byte " + std::to_string(record.position));
+    }
     return content;
   }
-  compressed_.resize(std::max<std::size_t>(compressed_.size(), record.size));
-  file_->read(record.data, compressed_.data(), record.size);
-  try {
-    decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
-               content.size);
-  } catch (const InputError& error) {
-    fail(std::string(error.what()) + " at byte " + std::to_string(record.position));
-  }
-  return content;
-}
 
-StoredMessage BagFile::message(const ChunkContent& content, const BagEntry& entry) const {
-  std::size_t at = entry.offset;
-  const auto take = [&]() -> ByteRange {
-    constexpr std::size_t kLength = sizeof(std::uint32_t);
-    if (at + kLength > content.size) fail("a chunk is damaged");
-    const auto length = number_at<std::uint32_t>(content.bytes.get() + at);
-    at += kLength;
-    if (length > content.size - at) fail("a chunk is damaged");
-    at += length;
-    return {content.bytes.get() + at - length, length};
-  };
-  for (;;) {
-    const auto fields = header_fields(take());
-    const ByteRange data = take();
-    const auto operation = fields ? fields->find("op") : HeaderFields::const_iterator();
-    if (!fields || operation == fields->end() || operation->second.size() != 1) {
-      fail("a chunk is damaged");
+  StoredMessage message(const ChunkContent& content, const BagEntry& entry) const override {
+    std::size_t at = entry.offset;
+    const auto take = [&]() -> ByteRange {
+      constexpr std::size_t kLength = sizeof(std::uint32_t);
+      if (at + kLength > content.size) fail("a chunk is damaged");
+      const auto length = number_at<std::uint32_t>(content.bytes.get() + at);
+      at += kLength;
+      if (length > content.size - at) fail("a chunk is damaged");
+      at += length;
+      return {content.bytes.get() + at - length, length};
+    };
+    for (;;) {
+      const auto fields = header_fields(take());
+      const ByteRange data = take();
+      const auto operation = fields ? fields->find("op") : HeaderFields::const_iterator();
+      if (!fields || operation == fields->end() || operation->second.size() != 1) {
+        fail("a chunk is damaged");
+      }
+      if (operation->second[0] == static_cast<char>(kMessage)) return {data, content.bytes};
+      if (operation->second[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
     }
-    if (operation->second[0] == static_cast<char>(kMessage)) return {data, content.bytes};
-    if (operation->second[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
   }
+
+ private:
+  [[noreturn]] void fail(const std::string& reason) const { file_.fail(reason); }
+  [[noreturn]] void fail_at(std::uint64_t position) const {
+    fail("the record at byte " + std::to_string(position) + " is damaged");
+  }
+  [[noreturn]] void fail_chunk(std::uint64_t position) const {
+    fail("a chunk is damaged at byte " + std::to_string(position));
+  }
+
+  template <typename Number>
+  Number number(const Record& record, const std::string& name) const {
+    return number_at<Number>(bytes(record, name, sizeof(Number)));
+  }
+  Stamp time(const Record& record, const std::string& name) const {
+    return time_at(bytes(record, name, 8));
+  }
+  bool is(const Record& record, Operation operation) const {
+    return number<std::uint8_t>(record, "op") == operation;
+  }
+  const std::uint8_t* bytes(const Record& record, const std::string& name,
+                            std::size_t expected) const {
+    const auto field = record.fields.find(name);
+    if (field == record.fields.end() || field->second.size() != expected) fail_at(record.position);
+    return reinterpret_cast<const std::uint8_t*>(field->second.data());
+  }
+
+  Record record_at(std::uint64_t position) const {
+    // Bytes; chosen: far above any header, whose fields are short.
+    constexpr std::uint32_t kLongestHeader = 1'000'000;
+    std::uint32_t length = 0;
+    if (position >= file_.size()) fail("its end is missing");
+    file_.read(position, &length, sizeof length);
+    if (length > kLongestHeader) fail_at(position);
+    std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
+    file_.read(position + sizeof length, text.data(), text.size());
+    const auto fields = header_fields({text.data(), length});
+    if (!fields) fail_at(position);
+    const Record record{position, *fields, position + sizeof length + text.size(),
+                        number_at<std::uint32_t>(text.data() + length)};
+    if (record.end() > file_.size()) {
+      fail("its end is missing, within the record at byte " + std::to_string(position));
+    }
+    return record;
+  }
+
+  void read_index(const WantedTopics& topics) {
+    char version[kVersionLength] = {};
+    file_.read(0, version, std::min<std::uint64_t>(file_.size(), sizeof version));
+    if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
+      throw FileError("cannot read the bag " + path_ +
+                      ": it is no bag; rosbag info says what one holds");
+    }
+    if (std::memcmp(version, kVersion, sizeof version) != 0) {
+      fail("it is not of version 2.0 (rosbag fix converts it)");
+    }
+    const Record bag = record_at(kVersionLength);
+    if (!is(bag, kBagHeader)) fail_at(bag.position);
+    const auto encryptor = bag.fields.find("encryptor");
+    if (encryptor != bag.fields.end() && !encryptor->second.empty()) {
+      fail("it is encrypted (rosbag decrypt helps)");
+    }
+    std::uint64_t position = index_position(bag);
+    const auto records = number<std::uint32_t>(bag, "conn_count") +
+                         std::uint64_t{number<std::uint32_t>(bag, "chunk_count")};
+    for (std::uint64_t i = 0; i < records; ++i) {
+      const Record record = record_at(position);
+      if (is(record, kConnection)) add_connection(record, topics);
+      if (is(record, kChunkInfo)) add_chunk(record);
+      position = record.end();
+    }
+    const auto earlier = [](const BagChunk& a, const BagChunk& b) {
+      return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
+    };
+    std::sort(chunks_.begin(), chunks_.end(), earlier);
+  }
+
+  /// Position of the index, which a recording that was killed does not have.
+  std::uint64_t index_position(const Record& header) const {
+    const auto position = number<std::uint64_t>(header, "index_pos");
+    if (position == 0) {
+      throw FileError(
+          "cannot read the bag " + path_ +
+          ": it has no index, as its recording was broken off; rosbag reindex makes one");
+    }
+    if (position < header.end()) fail_at(header.position);
+    return position;
+  }
+
+  void add_connection(const Record& record, const WantedTopics& topics) {
+    const auto topic = record.fields.find("topic");
+    if (topic == record.fields.end()) fail_at(record.position);
+    if (!is_wanted(topic->second, topics)) return;
+    std::vector<std::uint8_t> text(record.size);
+    file_.read(record.data, text.data(), text.size());
+    const auto fields = header_fields({text.data(), text.size()});
+    if (!fields) fail_at(record.position);
+    BagConnection& connection = connections_[number<std::uint32_t>(record, "conn")];
+    connection.topic = topic->second;
+    const auto type = fields->find("type");
+    const auto md5sum = fields->find("md5sum");
+    if (type != fields->end()) connection.type = type->second;
+    if (md5sum != fields->end()) connection.md5sum = md5sum->second;
+  }
+
+  /// The data of the record have the number of messages of each connection in the chunk.
+  void add_chunk(const Record& record) {
+    std::vector<std::uint8_t> counts(record.size / 8 * 8);
+    file_.read(record.data, counts.data(), counts.size());
+    bool has_wanted = false;
+    for (std::size_t i = 0; i < counts.size(); i += 8) {
+      const auto connection = connections_.find(number_at<std::uint32_t>(&counts[i]));
+      if (connection == connections_.end()) continue;
+      connection->second.messages += number_at<std::uint32_t>(&counts[i + 4]);
+      has_wanted = true;
+    }
+    if (!has_wanted) return;
+    chunks_.push_back({number<std::uint64_t>(record, "chunk_pos"), time(record, "start_time")});
+  }
+
+  void add_entries(const Record& record, std::vector<BagEntry>& entries) const {
+    // Bytes of time and offset, by version 1 of index data in bag format 2.0.
+    constexpr std::size_t kEntry = 12;
+    const auto connection = number<std::uint32_t>(record, "conn");
+    if (connections_.count(connection) == 0) return;
+    std::vector<std::uint8_t> text(record.size / kEntry * kEntry);
+    file_.read(record.data, text.data(), text.size());
+    for (std::size_t i = 0; i < text.size(); i += kEntry) {
+      if (number_at<std::uint32_t>(&text[i + 4]) >= kNanosecondsPerSecond) fail_at(record.position);
+      entries.push_back({time_at(&text[i]), number_at<std::uint32_t>(&text[i + 8]), connection});
+    }
+  }
+
+  std::string path_;
+  FileBytes file_;
+  std::map<std::uint32_t, BagConnection> connections_;
+  std::vector<BagChunk> chunks_;
+  std::vector<std::uint8_t> compressed_;
+};
+
+}  // namespace
+
+std::unique_ptr<ChunkedRecording> open_bag(const std::string& path, const WantedTopics& topics) {
+  return std::make_unique<BagFile>(path, topics);
 }
 
 }  // namespace lidar_mapping::ros_border

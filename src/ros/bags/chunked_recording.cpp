@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/ros/bag_file.hpp"
-#include "lidar_mapping/ros/mcap_file.hpp"
+#include "bags/bag_file.hpp"
+#include "bags/mcap_file.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -14,8 +14,7 @@ bool is_wanted(const std::string& topic, const WantedTopics& wanted) {
 
 std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path,
                                                const WantedTopics& topics) {
-  if (McapFile::is_one(path)) return std::make_unique<McapFile>(path, topics);
-  return std::make_unique<BagFile>(path, topics);
+  return is_mcap(path) ? open_mcap(path, topics) : open_bag(path, topics);
 }
 
 }  // namespace lidar_mapping::ros_border
