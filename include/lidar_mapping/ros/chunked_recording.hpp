@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
@@ -34,12 +35,22 @@ struct BagChunk {
   Stamp begin = 0;             ///< when its first message was recorded
 };
 
+/// Earlier, or of the same time and before it in the file.
+inline bool operator<(const BagChunk& a, const BagChunk& b) {
+  return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
+}
+
 /// A message of a chunk.
 struct BagEntry {
   Stamp recorded = 0;            ///< when it was recorded
   std::uint32_t offset = 0;      ///< into the chunk's content, bytes
   std::uint32_t connection = 0;  ///< key in ChunkedRecording::connections()
 };
+
+/// Earlier, or of the same time and before it in the chunk.
+inline bool operator<(const BagEntry& a, const BagEntry& b) {
+  return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
+}
 
 /// Decompressed content of a chunk; the memory is reused after the last pointer to it is gone.
 struct ChunkContent {

@@ -15,6 +15,8 @@
 
 namespace lidar_mapping::ros_border {
 
+struct Ros2Type;
+
 /// A message of a ROS 2 recording, in the serialisation of ROS 1.
 struct Ros2Message {
   Stamp recorded = 0;                               ///< when it was recorded
@@ -64,7 +66,7 @@ class Ros2File {
   std::string path_;
   void* database_ = nullptr;  ///< sqlite3*
   std::map<std::int64_t, BagConnection> connections_;
-  std::map<std::int64_t, std::string> ros2_types_;
+  std::map<std::int64_t, const Ros2Type*> types_;   ///< those that are read
   Stamp from_ = std::numeric_limits<Stamp>::min();  ///< of the first message that is read
   std::unique_ptr<Statement> reading_;              ///< null before the first message is asked for
   bool has_row_ = false;

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <tuple>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -110,9 +109,7 @@ class BagFile : public ChunkedRecording {
       add_entries(record, entries);
       record = record_at(record.end());
     }
-    std::sort(entries.begin(), entries.end(), [](const BagEntry& a, const BagEntry& b) {
-      return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
-    });
+    std::sort(entries.begin(), entries.end());
     return entries;
   }
 
@@ -237,10 +234,7 @@ class BagFile : public ChunkedRecording {
       if (is(record, kChunkInfo)) add_chunk(record);
       position = record.end();
     }
-    const auto earlier = [](const BagChunk& a, const BagChunk& b) {
-      return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
-    };
-    std::sort(chunks_.begin(), chunks_.end(), earlier);
+    std::sort(chunks_.begin(), chunks_.end());
   }
 
   /// Position of the index, which a recording that was killed does not have.

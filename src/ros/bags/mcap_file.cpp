@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <tuple>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -40,9 +39,7 @@ class McapFile : public ChunkedRecording {
     std::vector<BagEntry> entries = place.index_end > place.end
                                         ? indexed_entries(place)
                                         : entries_of(read(chunk, memory_), place);
-    std::sort(entries.begin(), entries.end(), [](const BagEntry& a, const BagEntry& b) {
-      return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
-    });
+    std::sort(entries.begin(), entries.end());
     return entries;
   }
 
@@ -93,9 +90,7 @@ class McapFile : public ChunkedRecording {
       places_[place.position] = place;
       chunks_.push_back({place.position, place.begin});
     }
-    std::sort(chunks_.begin(), chunks_.end(), [](const BagChunk& a, const BagChunk& b) {
-      return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
-    });
+    std::sort(chunks_.begin(), chunks_.end());
   }
 
   /// By the message indexes behind the chunk.

@@ -110,8 +110,9 @@ void Ros2File::read_topics(const WantedTopics& topics) {
     if (rows.text(3) != "cdr") {
       fail("topic " + name + " is serialised as '" + rows.text(3) + "', not as cdr");
     }
-    connections_[rows.number(0)] = ros2_connection(name, rows.text(2));
-    ros2_types_[rows.number(0)] = rows.text(2);
+    const std::string type = rows.text(2);
+    connections_[rows.number(0)] = ros2_connection(name, type);
+    if (const Ros2Type* known = ros2_type(type)) types_[rows.number(0)] = known;
   }
 }
 
@@ -159,14 +160,12 @@ std::optional<Stamp> Ros2File::next_time() {
 Ros2Message Ros2File::next() {
   Ros2Message message;
   message.recorded = reading_->number(0);
-  const auto connection = connections_.find(reading_->number(1));
-  const Ros2Type* type =
-      connection == connections_.end() ? nullptr : ros2_type(ros2_types_.at(connection->first));
-  if (connection != connections_.end()) message.connection = &connection->second;
-  if (type != nullptr) {
+  const auto type = types_.find(reading_->number(1));
+  if (type != types_.end()) {
+    message.connection = &connections_.at(type->first);
     try {
-      message.data =
-          std::make_shared<std::vector<std::uint8_t>>(from_cdr(reading_->bytes(2), type->layout));
+      message.data = std::make_shared<std::vector<std::uint8_t>>(
+          from_cdr(reading_->bytes(2), type->second->layout));
     } catch (const InputError& error) {
       message.damage = path_ + ": on " + message.connection->topic + " " + error.what();
     }

@@ -15,21 +15,15 @@ constexpr int kTimes = 10;         // of a recording; chosen: a vehicle stands a
 constexpr double kWindow = 1.0;    // s; chosen: all transforms of a tree come within it
 constexpr double kDistance = 1.0;  // m; chosen: arms and gimbals move a sensor by less
 
-/// Where the vehicle is in a frame by the transforms of a window.
-std::optional<Eigen::Vector3d> position_in(const BagSet& bags, const std::string& base_frame,
-                                           const std::string& frame, Stamp from) {
+/// The pose of a frame on the vehicle by /tf_static, and by what is on /tf in a window.
+std::optional<Pose> T_base(const BagSet& bags, const std::string& base_frame,
+                           const std::string& frame, std::optional<Stamp> window) {
   RecordedFrames frames(base_frame);
   add_recorded_frames(bags, "/tf_static", kBegin, kEnd, frames);
-  add_recorded_frames(bags, "/tf", from, from + from_seconds(kWindow), frames);
-  const auto T_base_frame = frames.T_base(frame);
-  if (!T_base_frame) return std::nullopt;
-  return T_base_frame->inverse().translation;
-}
-
-bool is_fixed(const BagSet& bags, const std::string& base_frame, const std::string& frame) {
-  RecordedFrames frames(base_frame);
-  add_recorded_frames(bags, "/tf_static", kBegin, kEnd, frames);
-  return frames.T_base(frame).has_value();
+  if (window) {
+    add_recorded_frames(bags, "/tf", *window, *window + from_seconds(kWindow), frames);
+  }
+  return frames.T_base(frame);
 }
 
 }  // namespace
@@ -51,14 +45,15 @@ void add_recorded_frames(const BagSet& bags, const std::string& topic, Stamp fro
 
 bool vehicle_moves_in(const BagSet& bags, const std::string& base_frame, const std::string& frame) {
   const auto times = bags.times_of({"/tf"});
-  if (frame.empty() || !times || is_fixed(bags, base_frame, frame)) return false;
+  if (frame.empty() || !times || T_base(bags, base_frame, frame, std::nullopt)) return false;
   const Stamp step = (times->second - times->first) / kTimes;
   std::optional<Eigen::Vector3d> first;
   for (int i = 0; i < kTimes; ++i) {
-    const auto position = position_in(bags, base_frame, frame, times->first + i * step);
-    if (!position) continue;
+    const auto T_base_frame = T_base(bags, base_frame, frame, times->first + i * step);
+    if (!T_base_frame) continue;
+    const Eigen::Vector3d position = T_base_frame->inverse().translation;
     if (!first) first = position;
-    if ((*position - *first).norm() > kDistance) return true;
+    if ((position - *first).norm() > kDistance) return true;
   }
   return false;
 }
