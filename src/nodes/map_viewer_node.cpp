@@ -104,7 +104,7 @@ void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
   key_frames_.note({message.run_id, message.indices});
   if (!run_ || message.run_id != run_id_) return;
   view_.track.update(from_message(message));
-  if (message.thorough) view_.optimized = view_.track.size();
+  if (message.thorough && !message.indices.empty()) view_.optimized = message.indices.back();
   display_.graph_changed();
   show_map(false);
 }

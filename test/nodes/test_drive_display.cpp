@@ -335,10 +335,30 @@ TEST(StatusText, NamesTheNextCallAfterTheOptimisation) {
   DriveStatus status;
   status.state = "tracking";
   status.key_frames = 246;
-  status.silent = status.optimized = true;
-  const std::string text = status_text(status, "map", "base_link").text;
+  status.silent = true;
+  status.since_optimized = 0;
+  std::string text = status_text(status, "map", "base_link").text;
   EXPECT_NE(text.find("/save_map"), std::string::npos) << text;
   EXPECT_EQ(text.find("/optimize_map"), std::string::npos) << text;
+  status.state = "";  // a viewer that was started after the drive
+  EXPECT_EQ(status_text(status, "map", "base_link").text, text);
+}
+
+/// The last scan leaves preprocessing late; its key frame may come after a hasty call.
+TEST(StatusText, SaysHowManyKeyFramesHaveComeSinceTheOptimisation) {
+  DriveStatus status;
+  status.state = "tracking";
+  status.key_frames = 246;
+  status.silent = true;
+  status.since_optimized = 1;
+  status.optimize_map = "/second/optimize_map";
+  status.save_map = "/second/save_map";
+  const std::string text = status_text(status, "map", "base_link").text;
+  for (const char* part :
+       {"optimised; key frames since then: 1", "rosservice call /second/optimize_map",
+        "rosservice call /second/save_map '{}'"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ void BackEndNode::apply_solution(const SolvedProblem& solved) {
     if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;
     done.session = run_->session().directory().string();
     files_outdated_ = true;
-    publish_poses(solved.thorough);
+    publish_poses(solved.thorough && done.report.success);
     publish_verdicts(applied.verdicts);
   }
   const back_end::OptimizationReport& report = done.report;

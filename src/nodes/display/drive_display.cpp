@@ -127,14 +127,21 @@ MarkerFeed::Markers DriveDisplay::markers() {
 
 visualization_msgs::Marker DriveDisplay::status() {
   const DriveView& view = view_();
+  const KeyFramePoses poses = view.track.poses();
   was_silent_ = is_silent(view);
   DriveStatus status;
   status.state = view.state;
   status.silent = was_silent_;
   status.problem = view.problem;
-  status.key_frames = view.track.size();
-  status.optimized = view.optimized == view.track.size();
-  status.length = length_of(view.track.poses());
+  status.key_frames = poses.poses.size();
+  if (view.optimized) {
+    status.since_optimized = static_cast<std::size_t>(
+        std::count_if(poses.poses.begin(), poses.poses.end(),
+                      [&](const KeyFramePose& pose) { return pose.index > *view.optimized; }));
+  }
+  status.optimize_map = context_.node.resolveName("optimize_map");
+  status.save_map = context_.node.resolveName("save_map");
+  status.length = length_of(poses);
   for (const auto& [pair, loop] : view.loops) {
     ++(loop.verdict == Verdict::kRefused ? status.loops_refused : status.loops_used);
   }

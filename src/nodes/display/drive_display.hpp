@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,8 @@ struct DriveView {
   DriveFloors floors;
   std::string state;          ///< of the front end at the newest scan; empty before the first scan
   std::string problem;        ///< why there are no scans
-  std::size_t optimized = 0;  ///< key frames at the newest answer of optimize_map
   ros::WallTime newest_scan;  ///< time of its arrival
+  std::optional<KeyFrameIndex> optimized;  ///< newest key frame in the last answer of optimize_map
 
   /// Adds an antenna position unless it is too near to the last one; returns whether it was added.
   bool add_fix(const Eigen::Vector3d& position);

@@ -32,14 +32,20 @@ std::string broken(const std::string& text) {
   return result;
 }
 
+/// What to do after a drive.
+std::string next_call(const DriveStatus& status) {
+  const std::string optimize = "rosservice call " + status.optimize_map;
+  const std::string save = "to write the map: rosservice call " + status.save_map + " '{}'";
+  if (!status.since_optimized) return "no more scans; at the end of the drive: " + optimize;
+  if (*status.since_optimized == 0) return "optimised; " + save;
+  return "optimised; key frames since then: " + std::to_string(*status.since_optimized) +
+         "\nto take them in: " + optimize + "\n" + save;
+}
+
 std::string headline(const DriveStatus& status) {
+  if (status.silent || (status.state.empty() && status.since_optimized)) return next_call(status);
   if (status.state.empty()) {
     return "waiting for scans ..." + (status.problem.empty() ? "" : "\n" + broken(status.problem));
-  }
-  if (status.silent) {
-    return status.optimized
-               ? "optimised; to write the map: rosservice call /save_map '{}'"
-               : "no more scans; at the end of the drive: rosservice call /optimize_map";
   }
   if (status.state == "degenerate") return "degenerate: not all of the motion shows";
   if (status.state == "doubtful")

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include <visualization_msgs/Marker.h>
@@ -15,10 +16,13 @@ struct DriveStatus {
   bool silent = false;  ///< whether scans have stopped
   std::string problem;  ///< why there are no scans, if known
   std::size_t key_frames = 0;
-  bool optimized = false;  ///< optimize_map was called, and no key frame has come since
-  double length = 0.0;     ///< m, along the key frames
+  /// Key frames that have come since the last answer of optimize_map; none: it was not called.
+  std::optional<std::size_t> since_optimized;
+  double length = 0.0;  ///< m, along the key frames
   std::size_t loops_used = 0;
   std::size_t loops_refused = 0;
+  std::string optimize_map = "/optimize_map";  ///< name of the service
+  std::string save_map = "/save_map";          ///< name of the service
 };
 
 /// The status as a text that faces the viewer, namespace status: over the vehicle in `base_frame`
