@@ -137,14 +137,14 @@ void MapViewerNode::update_status(const FrontEndStatusMessage& message) {
   if (std::exchange(view_.state, message.state) != message.state) display_.status_changed();
 }
 
-/// Shows in rviz why no scans arrive.
+/// Shows in rviz why no scans arrive, as long as that is so.
 void MapViewerNode::update_problem(const diagnostic_msgs::DiagnosticArray& message) {
   if (!view_.state.empty()) return;
   for (const auto& status : message.status) {
-    const bool has_reason = status.level != diagnostic_msgs::DiagnosticStatus::OK &&
-                            status.name.find("preprocessing_node") != std::string::npos;
-    if (!has_reason || std::exchange(view_.problem, status.message) == status.message) continue;
-    display_.status_changed();
+    if (status.name.find("preprocessing_node") == std::string::npos) continue;
+    const bool is_well = status.level == diagnostic_msgs::DiagnosticStatus::OK;
+    const std::string problem = is_well ? "" : status.message;
+    if (std::exchange(view_.problem, problem) != problem) display_.status_changed();
   }
 }
 

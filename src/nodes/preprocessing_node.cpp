@@ -6,6 +6,7 @@
 #include <topic_tools/shape_shifter.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
@@ -72,6 +73,18 @@ SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
   if (synced.uneven_turning) fill(message, *synced.uneven_turning);
   if (synced.felt) fill(message, *synced.felt);
   return message;
+}
+
+/// Numbers of the dropped scans by their reasons; empty if there are none.
+std::string dropped_scans(const preprocessing::PreprocessingCounters& counters) {
+  std::vector<std::string> reasons;
+  const auto add = [&](std::size_t count, const char* reason) {
+    if (count > 0) reasons.push_back(std::to_string(count) + reason);
+  };
+  add(counters.scans_without_extrinsic, " without transform");
+  add(counters.scans_without_points, " without points");
+  add(counters.scans_out_of_order, " out of order");
+  return joined(reasons);
 }
 
 /// Keeps the message as long as the cloud. Throws InputError if it is shorter than it says.
@@ -208,7 +221,7 @@ void PreprocessingNode::follow_transforms() {
       }));
 }
 
-/// A cloud of any of cloud_types().
+/// A cloud of any of cloud_types(). The report also says why no scan could be published.
 void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& message) {
   if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message, "points");
   const RecordedCloud cloud = whole_cloud(message);
@@ -216,6 +229,7 @@ void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& me
   DecodedCloud decoded = reader_.read_lazily(cloud, std::move(spare_cloud_));
   validate(cloud.view(), decoded);
   process(std::move(decoded.scan));
+  report();
 }
 
 /// A cloud of another LiDAR than that of the topic points; several may use the topic, each with a
@@ -248,6 +262,7 @@ void PreprocessingNode::process(preprocessing::RawScan scan) {
 void PreprocessingNode::flush() {
   if (auto scan = merger_.flush()) publish(stage_.process(std::move(*scan)));
   publish(stage_.flush());
+  report();
 }
 
 void PreprocessingNode::warn_of_type(const WireMessage& message, const std::string& topic) {
@@ -336,9 +351,7 @@ void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
     ROS_LOG_STREAM(is_info ? ros::console::levels::Info : ros::console::levels::Warn,
                    ROSCONSOLE_DEFAULT_NAME, diagnostic.text);
   }
-  if (scans.empty()) return;
-  losses_.report();
-  report();
+  if (!scans.empty()) report();
 }
 
 void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
@@ -373,12 +386,12 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
 }
 
 void PreprocessingNode::report() {
+  losses_.report();
   const preprocessing::PreprocessingCounters& counters = stage_.counters();
-  const std::size_t lost = counters.scans_without_extrinsic + counters.scans_without_points +
-                           counters.scans_out_of_order;
+  const std::string dropped = dropped_scans(counters);
   context_.diagnostics.set_state(
-      lost > 0 ? Diagnostics::Level::kWarning : Diagnostics::Level::kOk,
-      lost > 0 ? std::to_string(lost) + " scans dropped" : "synchronising");
+      dropped.empty() ? Diagnostics::Level::kOk : Diagnostics::Level::kWarning,
+      dropped.empty() ? "synchronising" : "scans dropped: " + dropped);
   const auto set = [this](const char* key, std::size_t value) {
     context_.diagnostics.set(key, std::to_string(value));
   };

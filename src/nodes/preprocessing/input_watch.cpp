@@ -53,7 +53,7 @@ InputWatch::InputWatch(NodeContext& context)
 }
 
 void InputWatch::check_inputs() {
-  if (!has_scans_) return warn_without_scans();
+  if (!has_scans_) return search_worker_.post(searching_, [this] { warn_without_scans(); });
   // The other sensors have had at least as much time to start as the LiDAR.
   if (++searches_ > kMaxSearches || overlooked_.is_complete()) return timer_.stop();
   if (searches_ > 1) search_worker_.post(searching_, [this] { warn_of_overlooked_sensors(); });
@@ -68,7 +68,6 @@ void InputWatch::warn_of_overlooked_sensors() {
   }
 }
 
-/// Runs in roscpp's thread. No message has arrived, so the worker is idle.
 void InputWatch::warn_without_scans() {
   const ros::NodeHandle& node = context_.node;
   std::string reason = why_silent(node.resolveName("points"), cloud_type_names(),
@@ -76,7 +75,7 @@ void InputWatch::warn_without_scans() {
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";
   }
-  if (std::exchange(last_reason_, reason) == reason) return;
+  if (has_scans_ || std::exchange(last_reason_, reason) == reason) return;
   ROS_WARN_STREAM("no scans yet: " << reason);
   context_.diagnostics.set_state(Diagnostics::Level::kWarning, reason);
 }

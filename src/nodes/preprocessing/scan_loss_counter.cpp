@@ -28,7 +28,9 @@ void ScanLossCounter::report() {
   // recording all scans should arrive.
   const std::size_t missing = ros::Time::isSimTime() ? received.missing() : received.between();
   context_.diagnostics.set("scans missing by their numbers", std::to_string(missing));
-  if (missing != logged_missing_ && limiter_.due("missing")) log_missing(received, missing);
+  if (missing != logged_missing_ && limiter_.due("missing")) {
+    log_missing(missing, missing - received.between());
+  }
   const std::size_t lost = missing + context_.worker.losses("points");
   if (std::exchange(published_losses_, lost) == lost) return;
   std_msgs::UInt32 message;
@@ -36,12 +38,12 @@ void ScanLossCounter::report() {
   publisher_.publish(message);
 }
 
-void ScanLossCounter::log_missing(const ScanNumbers& numbers, std::size_t missing) {
+void ScanLossCounter::log_missing(std::size_t missing, std::size_t before_first) {
   logged_missing_ = missing;
-  ROS_WARN_STREAM("scans that the recording has and that never came: "
-                  << missing << " (by their numbers), " << numbers.before_first()
-                  << " of them before the first one: play with -d 3, which gives the nodes the "
-                     "time to connect; slower (-r 0.5) where some are missing later");
+  ROS_WARN_STREAM("scans that never came: "
+                  << missing << " (by their numbers), " << before_first
+                  << " of them before the first one; play a bag with -d 3, which gives the nodes "
+                     "the time to connect, and slower (-r 0.5) where some are missing later");
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -27,7 +27,7 @@ class ScanLossCounter {
 
  private:
   ScanNumbers numbers();
-  void log_missing(const ScanNumbers& numbers, std::size_t missing);
+  void log_missing(std::size_t missing, std::size_t before_first);
 
   NodeContext& context_;
   std::mutex mutex_;
