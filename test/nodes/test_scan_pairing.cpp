@@ -75,6 +75,34 @@ TEST(ScanPairing, GivesUpScansThatOdometryHasPassed) {
   EXPECT_EQ(pairing.given_up(), 1U);
 }
 
+/// A later step from before would let every scan be given up that comes before its step.
+TEST(ScanPairing, ForgetsTheStepsFromBeforeTimeWentBack) {
+  ScanPairing pairing;
+  pairing.add(step_at(100, 9.0));
+  OdometryStep restarted = step_at(1, 0.0);
+  restarted.covariance.reset();
+  pairing.add(restarted);
+  pairing.add(scan_at(2));
+  EXPECT_TRUE(pairing.take_ready().empty());
+  pairing.add(step_at(2, 1.0));
+  const auto pairs = pairing.take_ready();
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].T_odom_base.translation.x(), 1.0);
+  EXPECT_EQ(pairing.given_up(), 0U);
+}
+
+TEST(ScanPairing, KeepsABoundedNumberOfStepsWithoutScans) {
+  ScanPairing pairing;
+  pairing.add(step_at(1, 0.0));
+  pairing.add(scan_at(1));
+  ASSERT_EQ(pairing.take_ready().size(), 1U);
+  for (Stamp stamp = 2; stamp <= 3000; ++stamp) pairing.add(step_at(stamp, 0.0));
+  pairing.add(scan_at(3000));
+  const auto pairs = pairing.take_ready();
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_FALSE(pairs[0].is_connected) << "the first steps are gone";
+}
+
 TEST(ScanPairing, KeepsABoundedNumberOfScansWithoutOdometry) {
   ScanPairing pairing;
   for (Stamp stamp = 1; stamp <= 100; ++stamp) {

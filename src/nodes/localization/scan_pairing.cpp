@@ -7,13 +7,22 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Scans and steps that wait for each other. Chosen: two seconds of them; the front end sends both
-/// within milliseconds.
+/// Scans that wait for their step. Chosen: two seconds of them; the front end sends both within
+/// milliseconds.
 constexpr std::size_t kMostWaiting = 20;
+/// Steps that are kept while no scan comes. Chosen: more than a minute of them; bounds the memory.
+constexpr std::size_t kMostSteps = 1000;
 
 }  // namespace
 
-void ScanPairing::add(const OdometryStep& step) { steps_[step.stamp] = step; }
+/// Steps come in the order of their stamps, so that later ones are from before time went back.
+void ScanPairing::add(const OdometryStep& step) {
+  steps_.erase(steps_.lower_bound(step.stamp), steps_.end());
+  steps_.emplace(step.stamp, step);
+  if (steps_.size() <= kMostSteps) return;
+  steps_.erase(steps_.begin());
+  T_odom_last_.reset();
+}
 
 void ScanPairing::add(Scan scan) {
   const Stamp stamp = scan.stamp;
