@@ -15,6 +15,8 @@
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
+#include "worker_tasks.hpp"
+
 // Received messages, the run that they belong to, and its session.
 namespace lidar_mapping::ros_border {
 
@@ -108,7 +110,7 @@ BackEndNode::~BackEndNode() {
     finalize();
     write_files();
     print_session();
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     print_at_exit(error.what());
   }
 }
@@ -148,13 +150,11 @@ void BackEndNode::subscribe_all() {
     add_or_queue([record = to_record(m)](Run& run) { run.session().add_scan(record); });
   });
   const auto channel = context_.worker.add_channel("subscribers", kPublisherQueue);
-  verdicts_ = context_.node.advertise<LoopVerdictMessage>("graph_verdict", 10 * kPublisherQueue,
-                                                          [this, channel](const auto&) {
-                                                            context_.worker.post(channel, [this] {
-                                                              if (run_)
-                                                                publish_verdicts(run_->verdicts());
-                                                            });
-                                                          });
+  const auto tell_all = [this] {
+    if (run_) publish_verdicts(run_->verdicts());
+  };
+  verdicts_ = advertise<LoopVerdictMessage>(context_, "graph_verdict", 10 * kPublisherQueue,
+                                            channel, tell_all);
 }
 
 /// Returns the first key frame that the session of this run lacks.
@@ -259,7 +259,10 @@ void BackEndNode::add_or_queue(std::function<void(Run&)> add) {
 /// Continues the session of this run if there is one (restart of the node), otherwise creates a new
 /// session.
 void BackEndNode::begin_run(const std::string& run_id) {
-  if (run_) write_files();
+  if (run_) {
+    write_files();
+    sent_transform_ = 0;  // the stamps of another run may be older
+  }
   run_.reset();  // closes its session before another one is opened
   if (auto session = session_of(run_id)) {
     set_session(std::move(*session), run_id);

@@ -76,6 +76,7 @@ class BackEndNode {
   void print_session() const;
 
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
+  std::future<OptimizeMap::Response> request_optimization();
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
   GetKeyFrames::Response key_frames_without_clouds(const std::vector<KeyFrameIndex>& wanted);
   void add_loop_closing_state(GetKeyFrames::Response& response) const;
@@ -84,8 +85,6 @@ class BackEndNode {
   bool load_graph(LoadGraph::Request& request, LoadGraph::Response& response);
   LoadGraph::Response load(const std::string& path);
   session::Session loaded_session(const std::filesystem::path& path) const;
-  template <typename Answer>
-  std::optional<Answer> from_worker(std::function<Answer()> make);
 
   Config config_;
   NodeContext& context_;

@@ -19,6 +19,8 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
+#include "worker_tasks.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -102,12 +104,9 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
   current_scan_ = context.node.advertise<sensor_msgs::PointCloud2>("current_scan", 1);
   // Made while somebody subscribes; who subscribes after the last key frame gets it at once.
   const auto channel = context.worker.add_channel("subscribers", kPublisherQueue);
-  local_map_ = context.node.advertise<sensor_msgs::PointCloud2>(
-      "local_map", 1, [this, channel](const auto&) {
-        context_.worker.post(channel, [this] {
-          if (previous_) publish_local_map(previous_->stamp);
-        });
-      });
+  local_map_ = advertise<sensor_msgs::PointCloud2>(context, "local_map", 1, channel, [this] {
+    if (previous_) publish_local_map(previous_->stamp);
+  });
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] {
     process(assembler_.flush());

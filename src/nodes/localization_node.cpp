@@ -15,6 +15,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "display/path_display.hpp"
+#include "worker_tasks.hpp"
 
 // Received scans, and what is published about them.
 namespace lidar_mapping::ros_border {
@@ -66,18 +67,15 @@ LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
         ROS_ERROR_STREAM(what << " failed: " << problem);
       }),
       loads_(loader_.add_channel("reading the map", kPublisherQueue)) {
-  if (!config.map.empty()) session::find_session(expanded_path(config.map));  // it has to exist
   advertise_topics();
+  if (!config.map.empty()) {
+    session::find_session(expanded_path(config.map));  // it has to exist
+    loading_ = "reading the map " + config.map;
+    loader_.post(loads_, [this, folder = config.map] { load_first(folder); });
+  }
   subscribe_all();
   advertise_services();
-  // The simulated time may stand still.
-  scan_watch_ = context.node.createWallTimer(
-      ros::WallDuration(kWatchPeriod), [this](const ros::WallTimerEvent&) {
-        context_.worker.post(requests_, [this] { watch_scans(); });
-      });
-  if (config.map.empty()) return;
-  loading_ = "reading the map " + config.map;
-  loader_.post(loads_, [this, folder = config.map] { load_first(folder); });
+  scan_watch_ = do_at_intervals(context, "scan watch", kWatchPeriod, [this] { watch_scans(); });
 }
 
 LocalizationNode::~LocalizationNode() {

@@ -44,6 +44,12 @@ class MapViewerNode {
     session::CloudStore clouds;
     map::MapBuilder builder;
   };
+  /// What a map is made of.
+  struct MapInput {
+    std::shared_ptr<Run> run;
+    KeyFramePoses poses;
+    std::optional<GeodeticDatum> datum;
+  };
 
   ros::Publisher advertise_map();
   void subscribe_all();
@@ -61,9 +67,7 @@ class MapViewerNode {
   void build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses, bool always);
   void fetch_newest_poses();
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
-  SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
-                         const std::optional<GeodeticDatum>& datum,
-                         const SaveMap::Request& request);
+  SaveMap::Response save(const MapInput& input, const SaveMap::Request& request);
   void complete(map::ProductOptions& options, const KeyFramePoses& poses) const;
   std::filesystem::path session_map() const;
 

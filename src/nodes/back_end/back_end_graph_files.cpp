@@ -6,6 +6,7 @@
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
 #include "back_end_node.hpp"
+#include "worker_tasks.hpp"
 
 // The services dump_graph and load_graph.
 namespace lidar_mapping::ros_border {
@@ -14,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using session::Session;
-
-const char* const kEnding = "the back end is ending";
 
 std::string count_of(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
@@ -69,67 +68,41 @@ LoadGraph::Response loaded(const Session& session, const fs::path& path) {
 
 }  // namespace
 
-/// Runs `make`, which must not throw, in the worker's thread; empty if the node shuts down first.
-template <typename Answer>
-std::optional<Answer> BackEndNode::from_worker(std::function<Answer()> make) {
-  auto answer = std::make_shared<std::promise<Answer>>();
-  std::future<Answer> future = answer->get_future();
-  context_.worker.post(requests_, [answer, make] { answer->set_value(make()); });
-  answer.reset();
-  try {
-    return future.get();
-  } catch (const std::future_error&) {
-    return std::nullopt;
-  }
-}
-
 bool BackEndNode::dump_graph(DumpGraph::Request& request, DumpGraph::Response& response) {
-  const auto snapshot = from_worker<std::optional<Snapshot>>([this]() -> std::optional<Snapshot> {
-    if (!run_ || run_->session().key_frame_count() == 0) return std::nullopt;
-    return Snapshot{run_->graph(), run_->session().directory()};
+  return answered(response, [&] {
+    const Snapshot snapshot = result_in(context_.worker, requests_, [this] {
+      if (!run_ || run_->session().key_frame_count() == 0) {
+        throw InputError("there are no key frames yet; nothing to dump");
+      }
+      return Snapshot{run_->graph(), run_->session().directory()};
+    });
+    return dumped(snapshot, request.destination);
   });
-  response.message = snapshot ? "there are no key frames yet; nothing to dump" : kEnding;
-  if (!snapshot || !*snapshot) return true;
-  try {
-    response = dumped(**snapshot, request.destination);
-  } catch (const std::exception& error) {
-    response.message = error.what();
-  }
-  return true;
 }
 
 bool BackEndNode::load_graph(LoadGraph::Request& request, LoadGraph::Response& response) {
-  response.message = kEnding;
-  const auto answer =
-      from_worker<LoadGraph::Response>([this, path = request.path] { return load(path); });
-  if (answer) response = *answer;
-  return true;
+  return answered(response, [&] {
+    return result_in(context_.worker, requests_,
+                     [this, path = request.path] { return load(path); });
+  });
 }
 
 /// Runs in the worker, so that no drive can begin meanwhile.
 LoadGraph::Response BackEndNode::load(const std::string& path) {
-  LoadGraph::Response answer;
   const std::size_t known = run_ ? run_->session().key_frame_count() : 0;
   if (known > 0) {
-    answer.message = "a drive is under way (" + count_of(known, "key frame") + " in " +
+    throw InputError("a drive is under way (" + count_of(known, "key frame") + " in " +
                      run_->session().directory().string() +
-                     "); restart back_end_node and load before the first scan";
-    return answer;
+                     "); restart back_end_node and load before the first scan");
   }
-  try {
-    run_.reset();  // closes an empty session
-    Session session = loaded_session(absolute_folder(path));
-    const std::string known_id = session.run_id();
-    const std::string run_id =
-        known_id.empty() ? session.directory().filename().string() : known_id;
-    set_session(std::move(session), run_id);
-    add_early_measurements();
-    files_outdated_ = true;
-    answer = loaded(run_->session(), absolute_folder(path));
-  } catch (const std::exception& error) {
-    answer.message = error.what();
-  }
-  return answer;
+  run_.reset();  // closes an empty session
+  Session session = loaded_session(absolute_folder(path));
+  const std::string known_id = session.run_id();
+  const std::string run_id = known_id.empty() ? session.directory().filename().string() : known_id;
+  set_session(std::move(session), run_id);
+  add_early_measurements();
+  files_outdated_ = true;
+  return loaded(run_->session(), absolute_folder(path));
 }
 
 /// A session is continued in its folder; a dump is converted into a new session.

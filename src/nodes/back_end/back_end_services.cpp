@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <set>
+#include <tuple>
+#include <utility>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "back_end_node.hpp"
+#include "worker_tasks.hpp"
 
 // The services optimize_map and get_key_frames.
 namespace lidar_mapping::ros_border {
@@ -23,52 +27,39 @@ void BackEndNode::advertise_services() {
 }
 
 bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& response) {
-  auto answer = std::make_shared<SolverQueue::Answer>();
-  std::future<OptimizeMap::Response> future = answer->get_future();
-  context_.worker.post(requests_, [this, answer] {
-    if (!run_) {
-      OptimizeMap::Response nothing;
-      nothing.message = "there are no key frames yet; nothing to optimise";
-      return answer->set_value(nothing);
-    }
-    finalize();
-    solver_.add_request(std::move(*answer));
-    if (!solver_.is_solving()) start_solving(true);
+  return answered(response, [this] {
+    return result_in(context_.worker, requests_, [this] { return request_optimization(); }).get();
   });
-  answer.reset();
-  try {
-    response = future.get();
-  } catch (const std::future_error&) {
-    response.success = false;
-    response.message = "the back end is ending";
-  }
-  return true;
+}
+
+/// Runs in the worker. The answer follows when the graph is solved.
+std::future<OptimizeMap::Response> BackEndNode::request_optimization() {
+  if (!run_) throw InputError("there are no key frames yet; nothing to optimise");
+  finalize();
+  SolverQueue::Answer promise;
+  std::future<OptimizeMap::Response> future = promise.get_future();
+  solver_.add_request(std::move(promise));
+  if (!solver_.is_solving()) start_solving(true);
+  return future;
 }
 
 bool BackEndNode::get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
-  struct Answer {
-    GetKeyFrames::Response response;
-    std::shared_ptr<Run> run;  ///< keeps the store of the clouds while they are read
-  };
-  auto answer = std::make_shared<std::promise<Answer>>();
-  std::future<Answer> future = answer->get_future();
-  context_.worker.post(requests_, [this, answer, wanted = request.indices] {
-    answer->set_value({key_frames_without_clouds(wanted), run_});
-  });
-  answer.reset();
+  std::shared_ptr<Run> run;  // keeps the store of the clouds while they are read
   try {
-    Answer given = future.get();
-    response = std::move(given.response);
-    if (!request.clouds || !given.run) return true;
-    for (KeyFrameMessage& message : response.key_frames) {
-      const PointCloudPtr cloud = given.run->session().clouds().cloud(message.index);
-      if (!cloud) continue;
-      message.cloud = to_message(*cloud, from_ros(message.header.stamp), config_.node.base_frame);
-    }
-    return true;
+    std::tie(response, run) =
+        result_in(context_.worker, requests_, [this, wanted = request.indices] {
+          return std::make_pair(key_frames_without_clouds(wanted), run_);
+        });
   } catch (const std::future_error&) {
     return false;
   }
+  if (!request.clouds || !run) return true;
+  for (KeyFrameMessage& message : response.key_frames) {
+    const PointCloudPtr cloud = run->session().clouds().cloud(message.index);
+    if (!cloud) continue;
+    message.cloud = to_message(*cloud, from_ros(message.header.stamp), config_.node.base_frame);
+  }
+  return true;
 }
 
 GetKeyFrames::Response BackEndNode::key_frames_without_clouds(

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "display/drive_display.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "display/age_markers.hpp"
 #include "display/drive_status.hpp"
 #include "display/path_display.hpp"
+#include "worker_tasks.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -12,7 +16,8 @@ namespace {
 const ros::WallDuration kInterval(1.0);
 const ros::WallDuration kSilence(5.0);
 constexpr double kFixDistance = 1.0;  // m, between positions on display; chosen: else they overlap
-constexpr std::size_t kTasks = 20;    // waiting tasks; chosen: more would only delay the display
+constexpr std::size_t kTasks = 20;    // new subscribers that wait; chosen: more than there are
+constexpr std::uint32_t kQueue = 2;   // messages on their way; chosen: more would only be late
 
 bool is_silent(const DriveView& view) {
   return !view.state.empty() && ros::WallTime::now() - view.newest_scan > kSilence;
@@ -48,23 +53,14 @@ DriveDisplay::DriveDisplay(NodeContext& context, const NodeFields& fields,
       fields_(fields),
       view_(std::move(view)),
       tasks_(context.worker.add_channel("display", kTasks)),
-      odom_path_(advertise<nav_msgs::Path>("odom_path", true, &DriveDisplay::graph_changed)),
-      optimized_path_(
-          advertise<nav_msgs::Path>("optimized_path", true, &DriveDisplay::graph_changed)),
-      graph_markers_(advertise<visualization_msgs::MarkerArray>("graph_markers", false,
-                                                                &DriveDisplay::show_all_markers)),
-      timer_(context.node.createWallTimer(kInterval, [this](const ros::WallTimerEvent&) {
-        context_.worker.post(tasks_, [this] { show_if_due(); });
-      })) {}
-
-template <typename Message>
-ros::Publisher DriveDisplay::advertise(const std::string& topic, bool latched,
-                                       void (DriveDisplay::*connected)()) {
-  const auto task = [this, connected] { (this->*connected)(); };
-  return context_.node.advertise<Message>(
-      topic, 2, [this, task](const auto&) { context_.worker.post(tasks_, task); },
-      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), latched);
-}
+      odom_path_(advertise<nav_msgs::Path>(
+          context, "odom_path", kQueue, tasks_, [this] { graph_changed(); }, true)),
+      optimized_path_(advertise<nav_msgs::Path>(
+          context, "optimized_path", kQueue, tasks_, [this] { graph_changed(); }, true)),
+      graph_markers_(advertise<visualization_msgs::MarkerArray>(
+          context, "graph_markers", kQueue, tasks_, [this] { show_all_markers(); })),
+      timer_(do_at_intervals(context, "display refresh", kInterval.toSec(),
+                             [this] { show_if_due(); })) {}
 
 void DriveDisplay::graph_changed() {
   graph_outdated_ = paths_outdated_ = true;

@@ -52,9 +52,6 @@ class DriveDisplay {
   void status_changed();
 
  private:
-  template <typename Message>
-  ros::Publisher advertise(const std::string& topic, bool latched,
-                           void (DriveDisplay::*connected)());
   void show_if_due();
   void show_paths();
   void show_markers();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <future>
-
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 
 #include "localization_node.hpp"
+#include "worker_tasks.hpp"
 
 // Maps: reading them, and the services relocalize and load_map.
 namespace lidar_mapping::ros_border {
@@ -64,44 +64,27 @@ void LocalizationNode::use(std::shared_ptr<Place> place, const PointCloud& cloud
 }
 
 bool LocalizationNode::relocalize(Relocalize::Request&, Relocalize::Response& response) {
-  auto answer = std::make_shared<std::promise<Relocalize::Response>>();
-  std::future<Relocalize::Response> future = answer->get_future();
-  context_.worker.post(requests_, [this, answer] {
-    Relocalize::Response given;
-    given.success = place_ != nullptr;
-    given.message = place_ ? "the place is searched for in the whole map" : loading_;
-    if (place_) place_->localizer.restart();
-    answer->set_value(given);
+  return answered(response, [this] {
+    return result_in(context_.worker, requests_, [this] {
+      if (!place_) throw InputError(loading_);
+      place_->localizer.restart();
+      Relocalize::Response given;
+      given.success = true;
+      given.message = "the place is searched for in the whole map";
+      return given;
+    });
   });
-  answer.reset();
-  try {
-    response = future.get();
-  } catch (const std::future_error&) {
-    response.message = "the node is ending";
-  }
-  return true;
 }
 
 bool LocalizationNode::load_map(LoadMap::Request& request, LoadMap::Response& response) {
-  auto answer = std::make_shared<std::promise<LoadMap::Response>>();
-  std::future<LoadMap::Response> future = answer->get_future();
-  loader_.post(loads_, [this, answer, folder = request.path] {
-    LoadMap::Response given;
-    try {
+  return answered(response, [&] {
+    return result_in(loader_, loads_, [this, folder = request.path] {
+      LoadMap::Response given;
       given.message = load(folder);
       given.success = true;
-    } catch (const std::exception& error) {
-      given.message = error.what();
-    }
-    answer->set_value(given);
+      return given;
+    });
   });
-  answer.reset();
-  try {
-    response = future.get();
-  } catch (const std::future_error&) {
-    response.message = "the node is ending";
-  }
-  return true;
 }
 
 }  // namespace lidar_mapping::ros_border

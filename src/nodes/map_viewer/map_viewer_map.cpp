@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <future>
-
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -11,6 +9,7 @@
 
 #include "map_viewer/map_order.hpp"
 #include "map_viewer_node.hpp"
+#include "worker_tasks.hpp"
 
 // The map: its display, and the service save_map that writes it to disk.
 namespace lidar_mapping::ros_border {
@@ -29,23 +28,19 @@ map::MapConfig with_resolution(const map::MapConfig& stage, double resolution) {
 
 /// The map is only built while there are subscribers; a new subscriber triggers it.
 ros::Publisher MapViewerNode::advertise_map() {
-  const auto task = [this] {
+  const auto show = [this] {
     if (run_) show_map(true);
   };
-  return context_.node.advertise<sensor_msgs::PointCloud2>(
-      "global_map", 1, [this, task](const auto&) { context_.worker.post(requests_, task); },
-      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  return advertise<sensor_msgs::PointCloud2>(context_, "global_map", 1, requests_, show, true);
 }
 
 /// As long as no poses move, the displayed map is updated at intervals.
 void MapViewerNode::refresh_at_intervals() {
   if (config_.map_cloud_update_interval == 0.0) return;
-  const auto task = [this] {
-    if (run_ && map_outdated_) show_map(false);
-  };
-  refresh_timer_ = context_.node.createWallTimer(
-      ros::WallDuration(config_.map_cloud_update_interval),
-      [this, task](const ros::WallTimerEvent&) { context_.worker.post(requests_, task); });
+  refresh_timer_ =
+      do_at_intervals(context_, "map refresh", config_.map_cloud_update_interval, [this] {
+        if (run_ && map_outdated_) show_map(false);
+      });
 }
 
 /// A request that still waits in the queue is replaced by this newer one.
@@ -80,51 +75,32 @@ void MapViewerNode::fetch_newest_poses() {
 }
 
 bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
-  auto answer = std::make_shared<std::promise<SaveMap::Response>>();
-  std::future<SaveMap::Response> future = answer->get_future();
-  context_.worker.post(requests_, [this, answer, request] {
-    fetch_newest_poses();
-    if (!run_) {
-      SaveMap::Response nothing;
-      nothing.message = "there are no key frames yet; nothing to save";
-      return answer->set_value(nothing);
-    }
-    builder_.post(saves_,
-                  [this, answer, request, run = run_, poses = view_.track.poses(), datum = datum_] {
-                    answer->set_value(save(run, poses, datum, request));
-                  });
+  return answered(response, [&] {
+    const MapInput input = result_in(context_.worker, requests_, [this] {
+      fetch_newest_poses();
+      if (!run_) throw InputError("there are no key frames yet; nothing to save");
+      return MapInput{run_, view_.track.poses(), datum_};
+    });
+    return result_in(builder_, saves_, [this, input, request] { return save(input, request); });
   });
-  answer.reset();
-  try {
-    response = future.get();
-  } catch (const std::future_error&) {
-    response.message = "the map viewer is ending";
-  }
-  return true;
 }
 
-SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
-                                      const std::optional<GeodeticDatum>& datum,
-                                      const SaveMap::Request& request) {
+SaveMap::Response MapViewerNode::save(const MapInput& input, const SaveMap::Request& request) {
+  MapOrder order = map_order(request);
+  order.options.datum = input.datum;
+  complete(order.options, input.poses);
+  if (order.directory.empty()) order.directory = session_map();
+  const map::Products products = map::write_products(
+      input.poses, input.run->clouds, with_resolution(config_.stage, request.resolution),
+      order.options, order.directory);
   SaveMap::Response response;
-  try {
-    MapOrder order = map_order(request);
-    order.options.datum = datum;
-    complete(order.options, poses);
-    if (order.directory.empty()) order.directory = session_map();
-    const map::Products products =
-        map::write_products(poses, run->clouds, with_resolution(config_.stage, request.resolution),
-                            order.options, order.directory);
-    for (const auto& file : products.files) response.files.push_back(file.string());
-    response.success = true;
-    response.message = std::to_string(products.points) + " points of " +
-                       std::to_string(poses.poses.size()) + " key frames, written to " +
-                       order.place().string();
-    if (!order.options.p_base_sensor && !request.keep_moving) {
-      response.message += ", with those of moving objects: no session says where the LiDAR is";
-    }
-  } catch (const std::exception& error) {
-    response.message = error.what();
+  for (const auto& file : products.files) response.files.push_back(file.string());
+  response.success = true;
+  response.message = std::to_string(products.points) + " points of " +
+                     std::to_string(input.poses.poses.size()) + " key frames, written to " +
+                     order.place().string();
+  if (!order.options.p_base_sensor && !request.keep_moving) {
+    response.message += ", with those of moving objects: no session says where the LiDAR is";
   }
   return response;
 }
