@@ -126,11 +126,14 @@ void add_arguments(CLI::App& app, Options& options) {
                          " (back_end, loop_closing); as in the first drive if left out");
   };
   add_step(app, "describe", "pieces of a drive, their boxes and appearance, to a file",
-           "folder of the session", options, describe);
+           "folder of the session", options, describe)
+      ->get_option("inputs")
+      ->expected(1);
   add_step(app, "pairs", "which stretches of which drives to search, a file for each chunk",
            "files of describe, a drive each", options, pair);
   CLI::App* loops = add_step(app, "loops", "searches the loops of a chunk",
                              "file of the chunk, of pairs", options, search);
+  loops->get_option("inputs")->expected(1);
   loops->add_option("--sessions", options.sessions, "folder of the sessions of the drives")
       ->required();
   with_config(loops);
