@@ -8,7 +8,6 @@
 
 #include <CLI/CLI.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
-#include <rosbag/bag.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -18,21 +17,18 @@
 #include "lidar_mapping/pipeline/folder_input.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
-#include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "command_line/number_checks.hpp"
 #include "command_line/overwriting.hpp"
 #include "command_line/progress_bar.hpp"
 #include "command_line/run_command.hpp"
+#include "recording/kitti_bag.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
-
-constexpr char kLidarFrame[] = "velo_link";
-constexpr char kImuFrame[] = "imu_link";
-constexpr char kAntennaFrame[] = "gnss_link";
+using namespace lidar_mapping::tools;
 
 struct Options {
   std::string folder;
@@ -44,23 +40,13 @@ struct Options {
   double start = 1317617735.0;
 };
 
-geometry_msgs::TransformStamped fixed(const char* parent, const char* child, const Pose& T,
-                                      Stamp stamp) {
-  geometry_msgs::TransformStamped message;
-  message.header.stamp = ros_border::to_ros(stamp);
-  message.header.frame_id = parent;
-  message.child_frame_id = child;
-  message.transform = ros_border::to_transform(T);
-  return message;
-}
-
 /// Receiver and IMU have the frame of the poses: that of the LiDAR.
 tf2_msgs::TFMessage extrinsics(const Options& options, Stamp stamp) {
   Pose T_base_lidar;
   T_base_lidar.translation.z() = options.sensor_height;
   tf2_msgs::TFMessage message;
   for (const char* frame : {kLidarFrame, kImuFrame, kAntennaFrame}) {
-    message.transforms.push_back(fixed("base_link", frame, T_base_lidar, stamp));
+    message.transforms.push_back(transform_message(T_base_lidar, frame, stamp));
   }
   return message;
 }
@@ -74,9 +60,7 @@ sensor_msgs::NavSatFix fix_at(const Eigen::Vector3d& p_enu, const Options& optio
   message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
   local.Reverse(p_enu.x(), p_enu.y(), p_enu.z(), message.latitude, message.longitude,
                 message.altitude);
-  for (std::size_t i = 0; i < 9; i += 4) {
-    message.position_covariance[i] = options.gnss_sigma * options.gnss_sigma;
-  }
+  fill_diagonal(message.position_covariance, options.gnss_sigma);
   message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_DIAGONAL_KNOWN;
   return message;
 }
@@ -89,7 +73,7 @@ sensor_msgs::Imu attitude_at(const Pose& T_enu_lidar, Stamp stamp) {
   sample.linear_acceleration =
       T_enu_lidar.rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, kStandardGravity);
   sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
-  for (std::size_t i = 0; i < 9; i += 4) message.orientation_covariance[i] = kSigma * kSigma;
+  fill_diagonal(message.orientation_covariance, kSigma);
   // These poses have no gyro, which sensor_msgs/Imu marks by -1.
   message.angular_velocity_covariance[0] = -1.0;
   return message;
@@ -111,8 +95,8 @@ class RawWriter {
   RawWriter(rosbag::Bag& bag, const pipeline::FolderInput& input) : bag_(bag) {
     tf2_msgs::TFMessage frames;
     for (const auto& [name, T_base] : input.frames()) {
-      if (name != "base_link") {
-        frames.transforms.push_back(fixed("base_link", name.c_str(), T_base, input.begin()));
+      if (name != kBaseFrame) {
+        frames.transforms.push_back(transform_message(T_base, name, input.begin()));
       }
     }
     bag_.write("/tf_static", ros_border::to_ros(input.begin()), frames);
@@ -120,19 +104,17 @@ class RawWriter {
 
   void operator()(const pipeline::RecordedScan& scan) {
     const preprocessing::RawScan raw = scan.decode({});
-    write("/kitti/velo/pointcloud", scan.stamp,
-          ros_border::to_message(raw.cloud, scan.stamp, raw.frame_id));
+    write(kCloudTopic, scan.stamp, ros_border::to_message(raw.cloud, scan.stamp, raw.frame_id));
   }
   void operator()(const pipeline::FramedSample<ImuSample>& imu) {
-    write("/kitti/oxts/imu", imu.sample.stamp, ros_border::to_message(imu.sample, imu.frame_id));
+    write(kImuTopic, imu.sample.stamp, ros_border::to_message(imu.sample, imu.frame_id));
   }
   void operator()(const pipeline::FramedSample<VelocitySample>& velocity) {
-    write("/kitti/oxts/gps/vel", velocity.sample.stamp,
+    write(kVelocityTopic, velocity.sample.stamp,
           ros_border::to_message(velocity.sample, velocity.frame_id));
   }
   void operator()(const pipeline::FramedSample<GnssFix>& fix) {
-    write("/kitti/oxts/gps/fix", fix.sample.stamp,
-          ros_border::to_message(fix.sample, fix.frame_id));
+    write(kFixTopic, fix.sample.stamp, ros_border::to_message(fix.sample, fix.frame_id));
   }
 
  private:
@@ -149,39 +131,39 @@ void convert_raw(const Options& options) {
   folder.sensor_height = options.sensor_height;
   pipeline::FolderInput input(options.folder, folder);
   std::cout << input.description() << "\n";
-  rosbag::Bag bag(options.bag, rosbag::bagmode::Write);
-  bag.setCompression(rosbag::compression::LZ4);
-  RawWriter write(bag, input);
-  tools::ProgressBar progress("writing messages", input.size());
-  for (std::size_t done = 0; auto datum = input.next();) {
-    std::visit(write, *datum);
-    progress.show(++done);
-  }
-  bag.close();
+  write_whole_bag(options.bag, [&](rosbag::Bag& bag) {
+    RawWriter write(bag, input);
+    ProgressBar progress("writing messages", input.size());
+    for (std::size_t done = 0; auto datum = input.next();) {
+      std::visit(write, *datum);
+      progress.show(++done);
+    }
+  });
 }
 
-void convert_odometry(const Options& options) {
-  const pipeline::KittiFolder folder(options.folder);
-  const auto poses = enu_poses(options, folder.size());
-  rosbag::Bag bag(options.bag, rosbag::bagmode::Write);
-  bag.setCompression(rosbag::compression::LZ4);
+void fill_bag(const Options& options, const pipeline::KittiFolder& folder,
+              const std::optional<Trajectory>& poses, rosbag::Bag& bag) {
   const Stamp start = from_seconds(options.start);
   bag.write("/tf_static", ros_border::to_ros(start + folder.stamp(0)),
             extrinsics(options, start + folder.stamp(0)));
-  tools::ProgressBar progress("writing scans", folder.size());
+  ProgressBar progress("writing scans", folder.size());
   for (std::size_t i = 0; i < folder.size(); ++i) {
     const Stamp stamp = start + folder.stamp(i);
     const ros::Time time = ros_border::to_ros(stamp);
     if (poses) {
       const Pose& T_enu_lidar = poses->poses[i].pose;
-      bag.write("/kitti/oxts/gps/fix", time, fix_at(T_enu_lidar.translation, options, stamp));
-      bag.write("/kitti/oxts/imu", time, attitude_at(T_enu_lidar, stamp));
+      bag.write(kFixTopic, time, fix_at(T_enu_lidar.translation, options, stamp));
+      bag.write(kImuTopic, time, attitude_at(T_enu_lidar, stamp));
     }
-    bag.write("/kitti/velo/pointcloud", time,
-              ros_border::to_message(folder.scan(i).cloud, stamp, kLidarFrame));
+    bag.write(kCloudTopic, time, ros_border::to_message(folder.scan(i).cloud, stamp, kLidarFrame));
     progress.show(i + 1);
   }
-  bag.close();
+}
+
+void convert_odometry(const Options& options) {
+  const pipeline::KittiFolder folder(options.folder);
+  const auto poses = enu_poses(options, folder.size());
+  write_whole_bag(options.bag, [&](rosbag::Bag& bag) { fill_bag(options, folder, poses, bag); });
 }
 
 }  // namespace

@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <optional>
 
 #include <nav_msgs/Odometry.h>
-#include <rosbag/bag.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
-#include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
+#include "recording/kitti_bag.hpp"
 #include "simulated_drive/drive_output.hpp"
 
 namespace lidar_mapping::tools {
@@ -24,13 +21,6 @@ namespace {
 
 using namespace simulation;
 
-constexpr char kCloudTopic[] = "/kitti/velo/pointcloud";
-constexpr char kImuTopic[] = "/kitti/oxts/imu";
-constexpr char kFixTopic[] = "/kitti/oxts/gps/fix";
-constexpr char kVelocityTopic[] = "/kitti/oxts/gps/vel";
-constexpr char kLidarFrame[] = "velo_link";
-constexpr char kImuFrame[] = "imu_link";
-constexpr char kAntennaFrame[] = "gnss_link";
 constexpr char kSecondTopic[] = "/second/points";
 constexpr char kSecondFrame[] = "second_link";
 /// How much later the turns of the second LiDAR begin, ns. Chosen: a third of a turn, so that
@@ -43,11 +33,6 @@ const Eigen::Vector3d kAntennaError(1.2, -0.9, 0.0);  // m
 /// rounded, so that their floats have zeros that lz4 can compress.
 constexpr float kPointStep = 1.0F / 256.0F;
 constexpr float kIntensityStep = 4.0F;
-
-template <typename Array>
-void fill_diagonal(Array& covariance, double sigma) {
-  for (int i = 0; i < 9; i += 4) covariance[i] = sigma * sigma;
-}
 
 sensor_msgs::Imu imu_message(const ImuSample& sample) {
   sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
@@ -111,21 +96,11 @@ nav_msgs::Odometry truth_message(const Drive& drive, Stamp stamp) {
   nav_msgs::Odometry message;
   message.header.stamp = ros_border::to_ros(stamp);
   message.header.frame_id = "map";
-  message.child_frame_id = "base_link";
+  message.child_frame_id = kBaseFrame;
   message.pose.pose = ros_border::to_message(state.T_map_base);
   Vector6d twist;
   twist << state.T_map_base.rotation.conjugate() * state.velocity_map, state.angular_velocity_base;
   message.twist.twist = ros_border::to_twist(twist);
-  return message;
-}
-
-geometry_msgs::TransformStamped transform_message(const Pose& T_base_frame, const char* frame,
-                                                  Stamp stamp) {
-  geometry_msgs::TransformStamped message;
-  message.header.stamp = ros_border::to_ros(stamp);
-  message.header.frame_id = "base_link";
-  message.child_frame_id = frame;
-  message.transform = ros_border::to_transform(T_base_frame);
   return message;
 }
 
@@ -152,9 +127,7 @@ tf2_msgs::TFMessage extrinsics(const Drive& drive, const BagContent& content) {
 /// are written.
 class BagWriter {
  public:
-  explicit BagWriter(const std::string& path) : bag_(path, rosbag::bagmode::Write) {
-    bag_.setCompression(rosbag::compression::LZ4);
-  }
+  explicit BagWriter(rosbag::Bag& bag) : bag_(bag) {}
 
   /// Queues `message`; it is written after all messages that are delivered before `delivery`.
   template <typename Message>
@@ -179,13 +152,12 @@ class BagWriter {
     for (auto it = waiting_.begin(); it != end; ++it) it->second();
     waiting_.erase(waiting_.begin(), end);
   }
-  void close() {
+  void write_rest() {
     for (const auto& [delivery, write] : waiting_) write();
-    bag_.close();
   }
 
  private:
-  rosbag::Bag bag_;
+  rosbag::Bag& bag_;
   std::multimap<Stamp, std::function<void()>> waiting_;  ///< equal times keep their order
   std::map<std::string, std::uint32_t> sequence_;
 };
@@ -214,8 +186,8 @@ void add_samples(BagWriter& writer, const Drive& drive, const BagContent& conten
   }
 }
 
-void fill_bag(const Drive& drive, const std::string& path, const BagContent& content, int threads) {
-  BagWriter writer(path);
+void fill_bag(const Drive& drive, rosbag::Bag& bag, const BagContent& content, int threads) {
+  BagWriter writer(bag);
   if (!content.has(BagFault::kNoTransforms)) {
     writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive, content));
   }
@@ -231,7 +203,7 @@ void fill_bag(const Drive& drive, const std::string& path, const BagContent& con
       writer.write_until(scan.end);
     });
   }
-  writer.close();
+  writer.write_rest();
 }
 
 }  // namespace
@@ -256,13 +228,7 @@ const std::map<std::string, BagFault>& bag_faults() {
 
 void write_bag(const Drive& drive, const std::string& path, const BagContent& content,
                int threads) {
-  const std::string unfinished = path + ".active";
-  try {
-    fill_bag(drive, unfinished, content, threads);
-    std::filesystem::rename(unfinished, path);
-  } catch (const rosbag::BagException& error) {
-    throw FileError("cannot write " + unfinished + ": " + error.what());
-  }
+  write_whole_bag(path, [&](rosbag::Bag& bag) { fill_bag(drive, bag, content, threads); });
 }
 
 }  // namespace lidar_mapping::tools
