@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
 #include <ros/ros.h>
 
+#include "listener.hpp"
 #include "round_drive.hpp"
 #include "temporary_folder.hpp"
 
@@ -41,6 +43,12 @@ class MapViewerNode : public testing::Test {
 
   void store(int count) {
     for (int i = 0; i < count; ++i) stored_.push_back(round_message(i));
+  }
+  /// Waits until the node shows a path of so many key frames.
+  static bool shows(std::size_t count) {
+    Listener<nav_msgs::Path> path("optimized_path");
+    return wait_until(
+        [&] { return !path.messages.empty() && path.messages.back().poses.size() == count; });
   }
 
   static KeyFramePosesMessage corrected(int count, std::uint32_t revision) {

@@ -21,11 +21,6 @@
 
 namespace lidar_mapping::test {
 
-constexpr Stamp kBegin = 1317384506123456789;
-constexpr Stamp kPeriod = 100000000;
-
-inline Stamp stamp_of(int step) { return kBegin + step * kPeriod; }
-
 /// A preprocessing_node whose scans, IMU and fixes the test sends.
 class PreprocessingNode : public testing::Test {
  protected:

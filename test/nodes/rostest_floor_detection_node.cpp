@@ -9,16 +9,14 @@
 
 #include "listener.hpp"
 #include "node_process.hpp"
+#include "yard.hpp"
 
 namespace lidar_mapping::test {
 namespace {
 
 using ros_border::from_ros;
 
-constexpr Stamp kBegin = 1317384506123456789;
 constexpr double kHeight = 1.5;  // m of the vehicle's origin above the floor
-
-Stamp stamp_of(int step) { return kBegin + step * 100000000LL; }
 
 /// A level floor around the vehicle, a point each 20 cm.
 PointCloud hall() {

@@ -25,11 +25,6 @@ namespace {
 
 using ros_border::from_ros;
 
-constexpr Stamp kBegin = 1317384506123456789;
-constexpr Stamp kPeriod = 100000000;
-
-Stamp stamp_of(int step) { return kBegin + step * kPeriod; }
-
 /// A front end with listeners on all that it says.
 class FrontEndNode : public testing::Test {
  protected:

@@ -127,24 +127,18 @@ TEST_F(MapViewerNode, ShowsCandidatesThatMatchingDidNotAccept) {
 TEST_F(MapViewerNode, FetchesTheLastKeyFrameWhenThePosesNameIt) {
   store(kRound - 1);
   const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  const auto shows = [&](std::size_t count) {
-    return !path.messages.empty() && path.messages.back().poses.size() == count;
-  };
-  ASSERT_TRUE(wait_until([&] { return shows(kRound - 1); })) << node.output();
+  ASSERT_TRUE(shows(kRound - 1)) << node.output();
   stored_.push_back(round_message(kRound - 1));
   const auto poses = connected_publisher<KeyFramePosesMessage>("key_frame_poses");
   poses.publish(corrected(kRound, 1));
-  EXPECT_TRUE(wait_until([&] { return shows(kRound); })) << node.output();
+  EXPECT_TRUE(shows(kRound)) << node.output();
 }
 
 // Without anything new the map is sent once.
 TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
   store(kRound);
   const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  ASSERT_TRUE(shows(kRound)) << node.output();
   Listener<sensor_msgs::PointCloud2> map("global_map");
   ASSERT_TRUE(map.wait_for(1)) << node.output();
   auto poses = ros::NodeHandle().advertise<KeyFramePosesMessage>("key_frame_poses", 10);

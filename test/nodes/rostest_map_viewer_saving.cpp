@@ -4,7 +4,6 @@
 #include <fstream>
 #include <set>
 
-#include <nav_msgs/Path.h>
 #include <sensor_msgs/NavSatFix.h>
 
 #include "lidar_mapping/map/write_products.hpp"
@@ -58,9 +57,7 @@ std::ptrdiff_t points_of_box(const fs::path& pcd) {
 TEST_F(MapViewerNode, SavesKeyFramesThatOnlyTheBackEndHas) {
   store(kRound - 1);
   const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound - 1; }));
+  ASSERT_TRUE(shows(kRound - 1)) << node.output();
   stored_.push_back(round_message(kRound - 1));
   const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
   EXPECT_NE(answer.message.find("of " + std::to_string(kRound) + " key frames"), std::string::npos)
@@ -72,9 +69,7 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
   store(kRound);
   const NodeProcess node("map_viewer_node");
   const auto datum = ros::NodeHandle().advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  ASSERT_TRUE(shows(kRound)) << node.output();
   SaveMap call;
   call.request.destination = (folder_.path() / "town.pcd").string();
   call.request.utm = true;
@@ -125,9 +120,7 @@ TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
   constexpr int kStanding = 8;
   for (int i = 0; i < kStanding; ++i) stored_.push_back(standing_message(i));
   const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kStanding; }));
+  ASSERT_TRUE(shows(kStanding)) << node.output();
   const SaveMap::Response unknown = save(folder_.path() / "unknown", {"pcd"});
   EXPECT_NE(unknown.message.find("moving objects"), std::string::npos) << unknown.message;
   EXPECT_GT(points_of_box(folder_.path() / "unknown/map.pcd"), 10);
@@ -146,9 +139,7 @@ TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
 TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
   store(kRound);
   const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  ASSERT_TRUE(shows(kRound)) << node.output();
   const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
   EXPECT_TRUE(answer.success) << answer.message << node.output();
   ASSERT_EQ(answer.files.size(), 2U);
@@ -174,9 +165,7 @@ TEST_F(MapViewerNode, SavesToTheHomeFolderAndSaysWhere) {
   setenv("HOME", folder_.path().c_str(), 1);
   const NodeProcess node("map_viewer_node");
   setenv("HOME", before.c_str(), 1);
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  ASSERT_TRUE(shows(kRound)) << node.output();
   const SaveMap::Response answer = save("~/maps", {"pcd"});
   EXPECT_TRUE(answer.success) << answer.message << node.output();
   const std::string place = (folder_.path() / "maps").string();
@@ -189,9 +178,7 @@ TEST_F(MapViewerNode, SavesToTheHomeFolderAndSaysWhere) {
 TEST_F(MapViewerNode, SavesEveryFormat) {
   store(kRound);
   const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  ASSERT_TRUE(shows(kRound)) << node.output();
   // Without a session nobody knows where the LiDAR is, so nothing tells what has changed.
   std::vector<std::string> formats = map::product_formats();
   formats.erase(std::find(formats.begin(), formats.end(), "changes"));
@@ -216,8 +203,7 @@ TEST_F(MapViewerNode, SaysWhyItCannotSave) {
   EXPECT_NE(empty.message.find("no key frames"), std::string::npos) << empty.message;
   const auto live = connected_publisher<KeyFrameMessage>("key_frame");
   live.publish(round_message(0));
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until([&] { return !path.messages.empty(); })) << node.output();
+  ASSERT_TRUE(shows(1)) << node.output();
   EXPECT_NE(save("").message.find("name a directory"), std::string::npos);
   EXPECT_NE(save(folder_.path(), {"doc"}).message.find("not known"), std::string::npos);
   const SaveMap::Response nowhere = save("/proc/nowhere", {"pcd"});

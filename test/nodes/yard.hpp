@@ -8,6 +8,12 @@
 
 namespace lidar_mapping::test {
 
+/// Stamps of scans, ten in a second.
+constexpr Stamp kBegin = 1317384506123456789;
+constexpr Stamp kPeriod = 100000000;
+
+inline Stamp stamp_of(int step) { return kBegin + step * kPeriod; }
+
 /// A walled yard with pillars, as seen from a vehicle in it: enough structure for any matching.
 inline PointCloud yard_seen_from(const Pose& T_map_base, unsigned seed) {
   std::mt19937 random(seed);

@@ -51,14 +51,19 @@ class InputForms : public ::testing::Test {
   std::string written(const std::string& name, const WriteCloud& write) const {
     return rewritten(name, for_clouds(write));
   }
-  Trajectory mapped(const std::string& input, const Words& more = {}) const {
+  /// The odometry that map_bag makes of a recording, and what it says of it.
+  std::pair<Trajectory, std::string> mapped_and_said(const std::string& input,
+                                                     const Words& more = {}) const {
     static int sessions = 0;
     const std::string session = folder_.path() / ("session_" + std::to_string(++sessions));
     Words words = {input, "-o", session, "--no-map", "--allow-doubt"};
     words.insert(words.end(), more.begin(), more.end());
     Program map("map_bag", words, folder_.path() / "log");
     EXPECT_EQ(map.wait(), 0) << map.output();
-    return read_trajectory(session + "/trajectory/laser_odom_scans.tum");
+    return {read_trajectory(session + "/trajectory/laser_odom_scans.tum"), map.output()};
+  }
+  Trajectory mapped(const std::string& input, const Words& more = {}) const {
+    return mapped_and_said(input, more).first;
   }
   /// What check_bag says of a recording, and its exit status.
   std::pair<std::string, int> checked(const std::string& input, const Words& more = {}) const {

@@ -155,15 +155,9 @@ class UnusableSecondLidar : public SeveralLidars {
       none.is_recorded = false;
       return none;
     }());
-    const std::string bag = divided("unusable", second);
-    const std::string session = folder_.path() / "unusable_session";
-    test::Program map(
-        "map_bag", {bag, "-o", session, "--no-map", "--allow-doubt", "--points", "/points,/second"},
-        folder_.path() / "log");
-    EXPECT_EQ(map.wait(), 0) << map.output();
-    const std::string said = map.output();
-    expect_equal_poses(read_trajectory(session + "/trajectory/laser_odom_scans.tum"),
-                       mapped(alone));
+    const auto [poses, said] =
+        mapped_and_said(divided("unusable", second), {"--points", "/points,/second"});
+    expect_equal_poses(poses, mapped(alone));
     return said;
   }
 };
@@ -206,17 +200,11 @@ TEST_F(SeveralLidars, OneThatEndsEarlyIsNamedAndDelaysNothing) {
   test::rewrite_bag(both, cut, [&](rosbag::Bag&, const rosbag::MessageInstance& m) {
     return m.getTopic() == kSecond && ++turns > 40;  // not written
   });
-  const std::string session = folder_.path() / "cut_session";
-  test::Program map(
-      "map_bag", {cut, "-o", session, "--no-map", "--allow-doubt", "--points", "/points,/second"},
-      folder_.path() / "log");
-  EXPECT_EQ(map.wait(), 0) << map.output();
-  const std::string said = map.output();
+  const auto [poses, said] = mapped_and_said(cut, {"--points", "/points,/second"});
   EXPECT_NE(said.find(" scans have no points of /second: it has no clouds at their time"),
             std::string::npos)
       << said;
-  EXPECT_EQ(read_trajectory(session + "/trajectory/laser_odom_scans.tum").poses.size(),
-            mapped(both).poses.size());
+  EXPECT_EQ(poses.poses.size(), mapped(both).poses.size());
 }
 
 /// Root mean square of the distances from the truth, both counted from the first pose, m.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <sensor_msgs/NavSatFix.h>
 
 #include "mapped_drive.hpp"
+#include "rewritten_bag.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
@@ -15,18 +14,13 @@ class WildFix : public test::MappedDrive {
  protected:
   /// The bag with the first `count` fixes five degrees (550 km) farther north.
   static void copy_with_wild_fixes(const std::string& to, int count) {
-    const rosbag::Bag from(bag());
-    rosbag::Bag copy(to, rosbag::bagmode::Write);
-    for (const rosbag::MessageInstance& message : rosbag::View(from)) {
+    test::rewrite_bag(bag(), to, [&](rosbag::Bag& copy, const rosbag::MessageInstance& message) {
       const auto fix = message.instantiate<sensor_msgs::NavSatFix>();
-      if (!fix || count-- <= 0) {
-        copy.write(message.getTopic(), message.getTime(), message);
-        continue;
-      }
+      if (!fix || count-- <= 0) return false;
       fix->latitude += 5.0;
       copy.write(message.getTopic(), message.getTime(), fix);
-    }
-    copy.close();
+      return true;
+    });
   }
 
   static double farthest(const Session& session) {
