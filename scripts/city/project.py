@@ -29,6 +29,7 @@ RESOURCES = {
     'products': {'threads': 2, 'mem_mb': 4000, 'runtime': 600},
     'report': {'threads': 1, 'mem_mb': 1000, 'runtime': 60},
 }
+BAGS = ('.bag', '.db3', '.mcap', '.zstd')  # endings of what check_bag reads, of ROS 1 and 2
 NAME = re.compile(r'[A-Za-z0-9_][A-Za-z0-9_.-]*')
 
 
@@ -111,7 +112,8 @@ class Drive:
 
     def is_bags(self):
         """False for a folder of scans, which check_bag cannot read."""
-        return all(path.suffix == '.bag' or (path.is_dir() and any(path.glob('*.bag'))) for path in self.paths)
+        return all(path.suffix in BAGS or (path.is_dir() and any(file.suffix in BAGS for file in path.iterdir()))
+                   for path in self.paths)
 
     def configuration_files(self):
         """Files whose content decides on the result besides the recording."""
