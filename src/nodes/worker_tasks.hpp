@@ -48,26 +48,25 @@ inline ros::WallTimer do_at_intervals(NodeContext& context, const std::string& c
                                       double seconds, Worker::Task task) {
   const auto channel = context.worker.add_channel(channel_name, 1);
   const auto waits = std::make_shared<std::atomic<bool>>(false);
-  return context.node.createWallTimer(ros::WallDuration(seconds),
-                                      [&worker = context.worker, channel, waits,
-                                       task = std::move(task)](const ros::WallTimerEvent&) {
-                                        if (waits->exchange(true)) return;
-                                        worker.post(channel, [waits, task] {
-                                          *waits = false;
-                                          task();
-                                        });
-                                      });
+  const auto post = [&worker = context.worker, channel, waits,
+                     task = std::move(task)](const ros::WallTimerEvent&) {
+    if (waits->exchange(true)) return;
+    worker.post(channel, [waits, task] {
+      *waits = false;
+      task();
+    });
+  };
+  return context.node.createWallTimer(ros::WallDuration(seconds), post);
 }
 
 /// Advertises a topic. The worker does `greet` for each new subscriber.
 template <typename Message>
 ros::Publisher advertise(NodeContext& context, const std::string& topic, std::uint32_t queue_size,
                          Worker::ChannelId channel, Worker::Task greet, bool latched = false) {
-  return context.node.advertise<Message>(
-      topic, queue_size,
-      [&worker = context.worker, channel, greet = std::move(greet)](
-          const ros::SingleSubscriberPublisher&) { worker.post(channel, greet); },
-      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), latched);
+  const auto post = [&worker = context.worker, channel, greet = std::move(greet)](
+                        const ros::SingleSubscriberPublisher&) { worker.post(channel, greet); };
+  return context.node.advertise<Message>(topic, queue_size, post, ros::SubscriberStatusCallback(),
+                                         ros::VoidConstPtr(), latched);
 }
 
 }  // namespace lidar_mapping::ros_border

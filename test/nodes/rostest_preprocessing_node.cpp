@@ -122,6 +122,17 @@ TEST_F(PreprocessingNode, ReportsEachFigureOnceAfterItHasLookedAtTheInput) {
   EXPECT_EQ(keys.count("queue points"), 1U);
 }
 
+/// It was silent, or repeated that nobody publishes the points.
+TEST_F(PreprocessingNode, SaysInItsDiagnosticsWhyItPublishesNoScan) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  for (int step = 0; step < 3; ++step) send_cloud(step);
+  EXPECT_TRUE(wait_until([&] {
+    return !diagnostics.messages.empty() &&
+           diagnostics.messages.back().status.at(0).message == "scans dropped: 3 without transform";
+  })) << node_->output();
+  EXPECT_TRUE(synced_.messages.empty());
+}
+
 /// The most frequent fault of all: a topic of another name.
 TEST_F(PreprocessingNode, NamesTheTopicsThatCouldBeMeantWhereNothingComes) {
   clouds_.shutdown();
