@@ -75,4 +75,11 @@ std::string NodeProcess::output() const {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+std::size_t NodeProcess::count(const std::string& text) const {
+  const std::string all = output();
+  std::size_t found = 0;
+  for (auto at = all.find(text); at != std::string::npos; at = all.find(text, at + 1)) ++found;
+  return found;
+}
+
 }  // namespace lidar_mapping::test

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ class NodeProcess {
   int wait(double seconds = kPatience);
   /// All that it has written to both streams so far.
   std::string output() const;
+  /// How often it has written this text so far.
+  std::size_t count(const std::string& text) const;
+  bool says(const std::string& text) const { return count(text) > 0; }
 
  private:
   void end(int signal);

@@ -102,8 +102,7 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   }
   node->stop();
   const std::string end = sessions().front().string() + ": " + std::to_string(kRound);
-  EXPECT_NE(node->output().find("session " + end + " key frames"), std::string::npos)
-      << node->output();
+  EXPECT_TRUE(node->says("session " + end + " key frames")) << node->output();
 }
 
 /// Without loops and GNSS nothing is optimised unasked; the node is at work all the same.
@@ -197,8 +196,7 @@ TEST_F(BackEndNode, RefusesLoopsThatDoNotFit) {
   loops_.publish(round_loop(0, kRound - 1));
   loops_.publish(round_loop(4, 4));
   loops_.publish(round_loop(0, 9, "another run"));
-  EXPECT_TRUE(wait_until(
-      [&] { return node->output().find("does not fit the graph") != std::string::npos; }));
+  EXPECT_TRUE(wait_until([&] { return node->says("does not fit the graph"); }));
   EXPECT_EQ(optimize().loops_used + optimize().loops_refused, 0U);
   EXPECT_TRUE(node->is_running());
 }
@@ -222,8 +220,7 @@ TEST_F(BackEndNode, GivesUpAKeyFrameThatNeverComes) {
   publish(0, 10);
   publish(11, 13);
   EXPECT_TRUE(wait_until([&] { return optimize().key_frames == 12; })) << node->output();
-  EXPECT_NE(node->output().find("key frames that never came: 1"), std::string::npos)
-      << node->output();
+  EXPECT_TRUE(node->says("key frames that never came: 1")) << node->output();
 }
 
 // Killed in mid-drive and started again, it goes on with the session.
@@ -422,7 +419,7 @@ TEST_F(BackEndNode, LoadsASessionAndGoesOnInIt) {
 TEST_F(BackEndNode, EndsWithAMessageWhereThereIsNoSessionToResume) {
   NodeProcess node("back_end_node", {"_resume:=" + (folder_.path() / "nothing").string()});
   EXPECT_EQ(node.wait(), 1);
-  EXPECT_NE(node.output().find("there is no session in"), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("there is no session in")) << node.output();
 }
 
 }  // namespace

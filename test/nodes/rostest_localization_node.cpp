@@ -179,7 +179,7 @@ TEST_F(LocalizationNode, SaysThatNoScansCome) {
 TEST(LocalizationNodeAlone, EndsForAMapThatDoesNotExist) {
   NodeProcess node("localization_node", {"_map:=/no/such/session"});
   EXPECT_EQ(node.wait(), 1);
-  EXPECT_NE(node.output().find("/no/such/session"), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("/no/such/session")) << node.output();
 }
 
 }  // namespace

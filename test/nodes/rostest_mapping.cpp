@@ -285,10 +285,8 @@ TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
     ros::WallDuration(0.1).sleep();
   }
   EXPECT_TRUE(wait_until([&] {
-    return output_of("preprocessing_node")
-               .find(
-                   "no transform from frame 'velo_link' to "
-                   "'base_link'") != std::string::npos;
+    return nodes_.at("preprocessing_node")
+        ->says("no transform from frame 'velo_link' to 'base_link'");
   })) << output_of("preprocessing_node");
   EXPECT_TRUE(odometry_.messages.empty());
   OptimizeMap call;

@@ -22,40 +22,36 @@ class EveryNode : public testing::TestWithParam<const char*> {
 TEST_P(EveryNode, EndsWithALinePerProblemBeforeItTouchesData) {
   NodeProcess node(name(), {"_queue_size:=0", "_base_frame:=/base_link"});
   EXPECT_EQ(node.wait(), 1);
-  const std::string output = node.output();
-  EXPECT_NE(output.find("/" + name() + ": queue_size: 0 is out of range; allowed: integer from 1"),
-            std::string::npos)
-      << output;
-  EXPECT_NE(output.find("'/base_link' starts with a slash"), std::string::npos) << output;
+  EXPECT_TRUE(node.says("/" + name() + ": queue_size: 0 is out of range; allowed: integer from 1"))
+      << node.output();
+  EXPECT_TRUE(node.says("'/base_link' starts with a slash")) << node.output();
 }
 
 // A misspelt key was ignored in silence.
 TEST_P(EveryNode, EndsForAnUnknownKeyAndSuggestsTheRightOne) {
   NodeProcess node(name(), {"_base_farme:=vehicle"});
   EXPECT_EQ(node.wait(), 1);
-  EXPECT_NE(
-      node.output().find("unknown key 'base_farme' (value vehicle); did you mean 'base_frame'"),
-      std::string::npos)
+  EXPECT_TRUE(node.says("unknown key 'base_farme' (value vehicle); did you mean 'base_frame'"))
       << node.output();
 }
 
 TEST_P(EveryNode, PrintsItsConfigurationInForce) {
   NodeProcess node(name(), {"--print-config", "_base_frame:=vehicle"});
   EXPECT_EQ(node.wait(), 0);
-  EXPECT_NE(node.output().find("base_frame: \"vehicle\""), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("base_frame: \"vehicle\"")) << node.output();
 }
 
 TEST_P(EveryNode, ExplainsItselfWithoutAMaster) {
   NodeProcess node(name(), {"--help", "__master:=http://localhost:1"});
   EXPECT_EQ(node.wait(), 0);
-  EXPECT_NE(node.output().find("--print-config"), std::string::npos) << node.output();
-  EXPECT_NE(node.output().find("describe_config"), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("--print-config")) << node.output();
+  EXPECT_TRUE(node.says("describe_config")) << node.output();
 }
 
 TEST_P(EveryNode, EndsForAnOptionThatItDoesNotKnow) {
   NodeProcess node(name(), {"--print-confg"});
   EXPECT_NE(node.wait(), 0);
-  EXPECT_NE(node.output().find("--print-confg"), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("--print-confg")) << node.output();
 }
 
 // Frames, topics and paths were compiled in; two instances could not run beside each other.
@@ -86,7 +82,7 @@ TEST_P(EveryNode, StaysAndDoesNothingWhereItWouldBeStartedAgain) {
         });
   };
   EXPECT_TRUE(wait_until(reported)) << node.output();
-  EXPECT_NE(node.output().find("correct the error above"), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("correct the error above")) << node.output();
   node.stop();
   EXPECT_EQ(node.wait(0.0), 1);
 }
@@ -114,17 +110,10 @@ INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode,
 TEST(Launch, AWrongParameterIsSaidOnceByEachNodeAndNoneIsStartedAgain) {
   NodeProcess launch("/usr/bin/env", {"roslaunch", "lidar_mapping", "mapping.launch", "rviz:=false",
                                       "map_frame:=/map"});
-  const auto count = [&](const std::string& text) {
-    const std::string output = launch.output();
-    std::size_t found = 0;
-    for (auto at = output.find(text); at != std::string::npos; at = output.find(text, at + 1)) {
-      ++found;
-    }
-    return found;
-  };
-  EXPECT_TRUE(wait_until([&] { return count("this node does nothing") == 6; })) << launch.output();
-  EXPECT_EQ(count("map_frame: '/map' starts with a slash"), 6U) << launch.output();
-  EXPECT_EQ(count("has died"), 0U) << launch.output();
+  EXPECT_TRUE(wait_until([&] { return launch.count("this node does nothing") == 6; }))
+      << launch.output();
+  EXPECT_EQ(launch.count("map_frame: '/map' starts with a slash"), 6U) << launch.output();
+  EXPECT_EQ(launch.count("has died"), 0U) << launch.output();
   launch.stop();
   ros::param::del("/nodes");
   ros::param::del("/use_sim_time");
@@ -134,9 +123,9 @@ TEST(Launch, ListsEveryArgumentAsOptionalAndWithItsMeaning) {
   for (const char* file : {"mapping.launch", "localization.launch", "demo.launch"}) {
     NodeProcess launch("/usr/bin/env", {"roslaunch", "--ros-args", "lidar_mapping", file});
     EXPECT_EQ(launch.wait(), 0) << launch.output();
-    EXPECT_NE(launch.output().find("Optional Arguments"), std::string::npos) << launch.output();
-    EXPECT_EQ(launch.output().find("Required Arguments"), std::string::npos) << launch.output();
-    EXPECT_EQ(launch.output().find("undocumented"), std::string::npos) << launch.output();
+    EXPECT_TRUE(launch.says("Optional Arguments")) << launch.output();
+    EXPECT_FALSE(launch.says("Required Arguments")) << launch.output();
+    EXPECT_FALSE(launch.says("undocumented")) << launch.output();
   }
 }
 
@@ -157,7 +146,7 @@ TEST(Launch, FindsTheHomeFolder) {
   for (const char* mark :
        {"/preprocessing_node/preprocessing_mark: 7", "/map_viewer_node/map_mark: 7",
         "/overlay_mark: 7", "/map_viewer_node/map_cloud_update_interval: 3"}) {
-    EXPECT_NE(launch.output().find(mark), std::string::npos) << mark << "\n" << launch.output();
+    EXPECT_TRUE(launch.says(mark)) << mark << "\n" << launch.output();
   }
 }
 
@@ -211,8 +200,7 @@ TEST(Launch, RemapsTheTopicOfAnotherOdometry) {
   NodeProcess launch("/usr/bin/env", {"roslaunch", "--args", "front_end_node", "lidar_mapping",
                                       "mapping.launch", "external_odom:=/wheels/odom"});
   EXPECT_EQ(launch.wait(), 0) << launch.output();
-  EXPECT_NE(launch.output().find("external_odom:=/wheels/odom"), std::string::npos)
-      << launch.output();
+  EXPECT_TRUE(launch.says("external_odom:=/wheels/odom")) << launch.output();
 }
 
 TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
@@ -220,8 +208,8 @@ TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
   ros::param::set("/nodes/odom_frame", "odometry");
   NodeProcess node("front_end_node", {"--print-config", "_key_frame_distance:=3.0"});
   EXPECT_EQ(node.wait(), 0);
-  EXPECT_NE(node.output().find("key_frame_distance: 7.5"), std::string::npos) << node.output();
-  EXPECT_NE(node.output().find("odom_frame: \"odometry\""), std::string::npos) << node.output();
+  EXPECT_TRUE(node.says("key_frame_distance: 7.5")) << node.output();
+  EXPECT_TRUE(node.says("odom_frame: \"odometry\"")) << node.output();
   ros::param::del("/front_end");
   ros::param::del("/nodes");
 }

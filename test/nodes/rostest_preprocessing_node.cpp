@@ -138,10 +138,10 @@ TEST_F(PreprocessingNode, NamesTheTopicsThatCouldBeMeantWhereNothingComes) {
   clouds_.shutdown();
   const auto other = ros::NodeHandle().advertise<sensor_msgs::PointCloud2>("velodyne_points", 1);
   EXPECT_TRUE(wait_until([&] {
-    return node_->output().find(
-               "nobody publishes /points; topics of sensor_msgs/PointCloud2 that "
-               "are published: /velodyne_points (choose one with "
-               "points:=TOPIC)") != std::string::npos;
+    return node_->says(
+        "nobody publishes /points; topics of sensor_msgs/PointCloud2 that "
+        "are published: /velodyne_points (choose one with "
+        "points:=TOPIC)");
   })) << node_->output();
 }
 
@@ -151,11 +151,11 @@ TEST_F(PreprocessingNode, NamesASensorThatIsPublishedUnderAnotherName) {
   send_transform();
   drive(0, 5);
   EXPECT_TRUE(wait_until([&] {
-    return node_->output().find(
-               "velocity: nobody publishes /velocity, so the map is made without; "
-               "published and not used: /wheel_speed") != std::string::npos;
+    return node_->says(
+        "velocity: nobody publishes /velocity, so the map is made without; "
+        "published and not used: /wheel_speed");
   })) << node_->output();
-  EXPECT_EQ(node_->output().find("imu: nobody"), std::string::npos) << "it is there";
+  EXPECT_FALSE(node_->says("imu: nobody")) << "it is there";
 }
 
 /// As `rosbag play` does, which sends before everybody is connected.
@@ -173,9 +173,7 @@ TEST_F(PreprocessingNode, CountsTheScansOfARecordingThatNobodyGot) {
   ASSERT_TRUE(synced_.wait_for(4)) << node_->output();
   ASSERT_TRUE(lost.wait_for(1)) << node_->output();
   EXPECT_EQ(lost.messages.back().data, 6U);
-  EXPECT_NE(
-      node_->output().find("never came: 6 (by their numbers), 6 of them before the first one"),
-      std::string::npos)
+  EXPECT_TRUE(node_->says("never came: 6 (by their numbers), 6 of them before the first one"))
       << node_->output();
 }
 

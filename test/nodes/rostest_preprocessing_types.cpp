@@ -161,15 +161,14 @@ TEST_F(PreprocessingNode, TakesTransformsOfAWheelOdometryAndSentencesOfAReceiver
   EXPECT_NEAR(synced_velocity.messages.back().twist.linear.x, 2.0, 1e-6);
   ASSERT_TRUE(datum_.wait_for(1)) << node_->output();
   EXPECT_NEAR(datum_.messages.back().altitude, 100.0, 1e-6);
-  EXPECT_EQ(node_->output().find("which is not read"), std::string::npos) << node_->output();
+  EXPECT_FALSE(node_->says("which is not read")) << node_->output();
 }
 
 TEST_F(PreprocessingNode, RefusesItsOwnOdometryAsThatOfTheWheels) {
   NodeProcess other("preprocessing_node", {"__name:=other", "_robot_odom_frame_id:=odom",
                                            "_enable_robot_odometry_init_guess:=true"});
   EXPECT_EQ(other.wait(), 1);
-  EXPECT_NE(other.output().find("robot_odom_frame_id: 'odom'"), std::string::npos)
-      << other.output();
+  EXPECT_TRUE(other.says("robot_odom_frame_id: 'odom'")) << other.output();
 }
 
 TEST_F(PreprocessingNode, NamesATypeThatItDoesNotRead) {
@@ -177,8 +176,7 @@ TEST_F(PreprocessingNode, NamesATypeThatItDoesNotRead) {
   ASSERT_TRUE(wait_until([] { return is_connected("velocity"); }));
   EXPECT_TRUE(wait_until([&] {
     twist.publish(geometry_msgs::PoseStamped());
-    return node_->output().find("/velocity holds geometry_msgs/PoseStamped, which is not read") !=
-           std::string::npos;
+    return node_->says("/velocity holds geometry_msgs/PoseStamped, which is not read");
   })) << node_->output();
 }
 

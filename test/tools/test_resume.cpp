@@ -213,7 +213,7 @@ TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
   }
   const fs::path folder = disk.path() / "session";
   EXPECT_EQ(map({"-o", folder.string(), "--no-map"}), 1);
-  EXPECT_NE(said().find((folder / "key_frames").string()), std::string::npos) << said();
+  EXPECT_TRUE(has_said((folder / "key_frames").string())) << said();
   {
     const Session session = Session::open(folder, Session::Access::kRead);
     EXPECT_GT(session.key_frame_count(), 0U);
