@@ -103,6 +103,20 @@ TEST(ScanMerger, AMissingOtherDelaysOneScanOnly) {
   EXPECT_EQ(merger.add(scan(0.4, "main"), {}).size(), 1U);
 }
 
+// A recording that starts again. Scans of the time before must not hide those of the new one.
+TEST(ScanMerger, GoesOnWhenTimeGoesBack) {
+  ScanMerger merger(0.1);
+  for (const double start : {100.0, 0.0}) {
+    for (int i = 0; i < 5; ++i) {
+      merger.add_other(scan(start + 0.1 * i, "other"), {});
+      merger.add(scan(start + 0.1 * i, "main"), {});
+    }
+    const auto last = merger.flush();
+    ASSERT_TRUE(last) << start;
+    EXPECT_EQ(last->cloud.size(), 20U) << start;
+  }
+}
+
 TEST(ScanMerger, PlacesAreThoseOnTheVehicle) {
   ScanMerger merger(0.1);
   const Pose T_base_main{exp_so3({0.1, 0.2, 0.3}), {1.0, 0.0, 2.0}};

@@ -42,11 +42,7 @@ class ScanMerger {
   std::optional<RawScan> flush();
 
  private:
-  struct Other {
-    RawScan scan;
-    Pose T_base_other;
-  };
-  struct Held {
+  struct PlacedScan {
     RawScan scan;
     Pose T_base_scan;
   };
@@ -54,8 +50,8 @@ class ScanMerger {
   bool is_accompanied(Stamp scan) const;
 
   Stamp reach_;
-  std::map<std::string, std::deque<Other>> others_;  ///< by their frames
-  std::optional<Held> held_;
+  std::map<std::string, std::deque<PlacedScan>> others_;  ///< by their frames, stamps rise
+  std::optional<PlacedScan> held_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -40,7 +40,9 @@ std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_sca
 }
 
 void ScanMerger::add_other(RawScan scan, const Pose& T_base_other) {
-  std::deque<Other>& scans = others_[scan.frame_id];
+  std::deque<PlacedScan>& scans = others_[scan.frame_id];
+  // The stamps of a LiDAR rise. Where they do not, time has gone back, or a stamp was wrong.
+  while (!scans.empty() && scans.back().scan.stamp >= scan.stamp) scans.pop_back();
   scans.push_back({std::move(scan), T_base_other});
   if (scans.size() > kMostOthers) scans.pop_front();
 }
@@ -57,7 +59,7 @@ std::vector<RawScan> ScanMerger::add(RawScan scan, const Pose& T_base_scan) {
   std::vector<RawScan> complete;
   if (auto before = flush()) complete.push_back(std::move(*before));
   if (is_accompanied(scan.stamp)) {
-    held_ = Held{std::move(scan), T_base_scan};
+    held_ = PlacedScan{std::move(scan), T_base_scan};
   } else {
     complete.push_back(std::move(scan));
   }
@@ -65,15 +67,15 @@ std::vector<RawScan> ScanMerger::add(RawScan scan, const Pose& T_base_scan) {
 }
 
 std::optional<RawScan> ScanMerger::flush() {
-  std::optional<Held> held = std::exchange(held_, std::nullopt);
+  std::optional<PlacedScan> held = std::exchange(held_, std::nullopt);
   if (!held) return std::nullopt;
   const Stamp stamp = held->scan.stamp;
   const Pose T_scan_base = held->T_base_scan.inverse();
   for (auto& [frame, scans] : others_) {
     while (!scans.empty() && scans.front().scan.stamp < stamp - reach_) scans.pop_front();
-    for (const Other& other : scans) {
+    for (const PlacedScan& other : scans) {
       if (other.scan.stamp > stamp + reach_) break;
-      append_points(held->scan, other.scan, T_scan_base * other.T_base_other);
+      append_points(held->scan, other.scan, T_scan_base * other.T_base_scan);
     }
   }
   return std::move(held->scan);
