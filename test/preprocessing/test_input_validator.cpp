@@ -103,6 +103,18 @@ TEST(InputValidator, FindsRatesInDegrees) {
   expect_fault(messages, "degrees");
 }
 
+// The stamps of rates in degrees/s are compared, too.
+TEST(InputValidator, ReadsRatesInTheUnitOfTheConfiguration) {
+  Messages messages = clean();
+  for (ImuSample& sample : messages.imu) sample.angular_velocity *= 180.0 / M_PI;
+  PreprocessingConfig config;
+  config.imu_angular_unit = AngularUnit::kDegrees;
+  EXPECT_EQ(all_faults(messages, config), "");
+  for (ImuSample& sample : messages.imu) sample.stamp += from_seconds(0.05);
+  const std::string faults = all_faults(messages, config);
+  EXPECT_NE(faults.find("set imu_time_offset"), std::string::npos) << faults;
+}
+
 TEST(InputValidator, FindsMissingTransformsAndSlashes) {
   Messages messages = clean();
   messages.gnss_frame = "gps";

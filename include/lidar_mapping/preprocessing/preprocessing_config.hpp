@@ -57,11 +57,19 @@ enum class AccelerationUnit {
   kMetresPerSecond2,  ///< m/s^2
   kStandardGravity    ///< g, see lidar_mapping::kStandardGravity
 };
+/// Factor from the unit to m/s^2.
+inline double si_factor(AccelerationUnit unit) {
+  return unit == AccelerationUnit::kStandardGravity ? kStandardGravity : 1.0;
+}
 /// Unit of angular rates.
 enum class AngularUnit {
   kRadians,  ///< rad/s
   kDegrees   ///< degrees per second
 };
+/// Factor from the unit to rad/s.
+inline double si_factor(AngularUnit unit) {
+  return unit == AngularUnit::kDegrees ? kRadPerDeg : 1.0;
+}
 
 /// Parameters of the stage; each is described once, in schema().
 struct PreprocessingConfig {

@@ -73,7 +73,8 @@ void check_gravity(const Eigen::Vector3d& mean, double gravity,
 
 void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
                  const ExtrinsicLookup& lookup, AngularUnit unit, InputReport& report) {
-  const auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.topic.frame()));
+  auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.topic.frame()));
+  for (TimedValue& rate : rates) rate.value *= si_factor(unit);
   const auto reference =
       turning(velocity.samples, &VelocitySample::angular, lookup(velocity.topic.frame()));
   const auto scale = ratio(rates, reference);
@@ -112,14 +113,14 @@ InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
       std::any_of(imu.samples.begin(), imu.samples.end(),
                   [](const ImuSample& sample) { return sample.has_linear_acceleration; });
   const Eigen::Vector3d mean = mean_acceleration(imu.samples);
-  const bool in_g = config.imu_acceleration_unit == AccelerationUnit::kStandardGravity;
-  const double gravity = mean.norm() * (in_g ? kStandardGravity : 1.0);
+  const double gravity = mean.norm() * si_factor(config.imu_acceleration_unit);
   const bool has_orientation =
       std::any_of(imu.samples.begin(), imu.samples.end(),
                   [](const ImuSample& sample) { return sample.orientation.has_value(); });
   report.found +=
       formatted(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
-                max_turn_rate(imu.samples), has_orientation ? "with" : "without");
+                max_turn_rate(imu.samples) * si_factor(config.imu_angular_unit),
+                has_orientation ? "with" : "without");
   if (has_acceleration) check_gravity(mean, gravity, lookup(imu.topic.frame()), report);
   check_rates(imu, velocity, lookup, config.imu_angular_unit, report);
   return report;

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lidar_mapping/common/units.hpp"
-
 #include "motion/interpolation.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -86,10 +84,8 @@ const char* to_string(MotionSource source) {
 
 MotionSensors::MotionSensors(const PreprocessingConfig& config, const Extrinsics& extrinsics)
     : extrinsics_(extrinsics),
-      acceleration_unit_(config.imu_acceleration_unit == AccelerationUnit::kStandardGravity
-                             ? kStandardGravity
-                             : 1.0),
-      angular_unit_(config.imu_angular_unit == AngularUnit::kDegrees ? kRadPerDeg : 1.0),
+      acceleration_unit_(si_factor(config.imu_acceleration_unit)),
+      angular_unit_(si_factor(config.imu_angular_unit)),
       estimate_bias_(config.estimate_gyro_bias),
       imu_offset_(from_seconds(config.imu_time_offset)),
       velocity_offset_(from_seconds(config.velocity_time_offset)),
