@@ -244,5 +244,19 @@ TEST(InputValidator, FindsInvalidFixes) {
   expect_fault(messages, "100 fixes refused: coordinates (0, 0)");
 }
 
+TEST(InputValidator, CountsRefusedFixesByTheKindOfTheirProblem) {
+  Messages messages = clean();
+  for (std::size_t i = 0; i < 10; ++i) {
+    messages.gnss[20 * i].altitude_m = 20000.0 + static_cast<double>(i);
+    messages.gnss[20 * i + 10].latitude_deg = 95.0;
+  }
+  const std::string faults = all_faults(messages);
+  EXPECT_NE(faults.find("10 fixes refused: height 20000 m is implausible (from -2000 to 12000 m)"),
+            std::string::npos)
+      << faults;
+  EXPECT_NE(faults.find("10 fixes refused: latitude or longitude out of range"), std::string::npos)
+      << faults;
+}
+
 }  // namespace
 }  // namespace lidar_mapping::preprocessing

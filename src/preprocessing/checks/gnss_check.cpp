@@ -173,8 +173,8 @@ bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
 /// Counts the fixes that are used, and those that are refused.
 void check_usable(const GnssRecord& gnss, InputReport& report) {
   report.found += formatted(", %zu of %zu fixes usable", gnss.usable.topic.count, gnss.topic.count);
-  for (const auto& [problem, count] : gnss.rejected) {
-    add_warning(report, formatted("%zu fixes refused: %s", count, problem.c_str()),
+  for (const auto& [kind, fixes] : gnss.refused) {
+    add_warning(report, formatted("%zu fixes refused: %s", fixes.count, fixes.problem.c_str()),
                 "they are left out; the map leans on odometry and loops there");
   }
 }

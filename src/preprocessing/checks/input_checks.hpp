@@ -26,10 +26,16 @@ struct PointsRecord {
   std::size_t damaged_packets = 0;  ///< of a sensor whose packets are decoded here
 };
 
+/// Refused fixes with the same kind of problem.
+struct RefusedFixes {
+  std::size_t count = 0;
+  std::string problem;  ///< of the first one
+};
+
 struct GnssRecord {
   TopicStatistics topic;
   SensorRecord<GnssFix> usable;
-  std::map<std::string, std::size_t> rejected;  ///< number of fixes for each reason
+  std::map<std::string, RefusedFixes> refused;  ///< by the kind of their problem
   bool covariance_known = true;
 };
 

@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "checks/sensor_record.hpp"
+#include "gnss/local_frame.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -46,8 +46,7 @@ void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {
 }
 
 void InputDiagnostics::rejected_fix(const std::string& problem) {
-  const std::string kind = problem.substr(0, problem.find_first_of("0123456789(:"));
-  warn("gnss " + kind, "gnss: fix refused: " + problem);
+  warn("gnss " + kind_of_problem(problem), "gnss: fix refused: " + problem);
 }
 
 void InputDiagnostics::rejected_scan(Stamp stamp) {

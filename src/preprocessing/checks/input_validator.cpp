@@ -46,7 +46,8 @@ void InputValidator::add_gnss(const GnssFix& fix, const std::string& frame_id) {
   gnss.topic.add(fix.stamp, frame_id);
   const std::string problem = problem_of(fix, config_);
   if (!problem.empty()) {
-    ++gnss.rejected[problem.substr(0, problem.find(" of "))];
+    RefusedFixes& refused = gnss.refused[kind_of_problem(problem)];
+    if (refused.count++ == 0) refused.problem = problem;
     return;
   }
   gnss.usable.topic.add(fix.stamp, frame_id);

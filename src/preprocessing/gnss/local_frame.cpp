@@ -83,7 +83,8 @@ std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
     return "latitude or longitude out of range";
   }
   if (fix.altitude_m < kMinHeight || fix.altitude_m > kMaxHeight) {
-    return formatted("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kMaxHeight);
+    return formatted("height %.0f m is implausible (from %.0f to %.0f m)", fix.altitude_m,
+                     kMinHeight, kMaxHeight);
   }
   if (fix.covariance && is_usable_covariance(*fix.covariance) &&
       horizontal_sigma(*fix.covariance) > config.gnss_max_sigma) {
@@ -91,6 +92,10 @@ std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
                      horizontal_sigma(*fix.covariance), config.gnss_max_sigma);
   }
   return "";
+}
+
+std::string kind_of_problem(const std::string& problem) {
+  return problem.substr(0, problem.find_first_of("0123456789(:"));
 }
 
 Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to) {

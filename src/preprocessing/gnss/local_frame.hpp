@@ -23,6 +23,8 @@ struct LocalFix {
 /// The problem of a fix by itself: no fix, not finite, not on the Earth, (0, 0), status or
 /// covariance too poor. Empty for a usable fix.
 std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config);
+/// The problem up to its first figure: the same text for all fixes with the same kind of problem.
+std::string kind_of_problem(const std::string& problem);
 
 /// The way from one fix to another, m; level if the height of one of them is not known.
 Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to);
