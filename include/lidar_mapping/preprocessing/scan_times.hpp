@@ -18,10 +18,11 @@ struct TimeSpan {
   double begin = 0.0;  ///< s
   double end = 0.0;    ///< s
 };
-/// First and last time of a cloud; times that are not finite do not count.
+/// First and last time of a cloud; times that are not a number (NaN) do not count. An infinite time
+/// does, and makes the span implausible.
 TimeSpan time_span(const PointCloud& cloud);
 
-/// Finds the span of times that are added in parts; both ends are 0 if no time is finite.
+/// Finds the span of times that are added in parts; both ends are 0 if all are NaN.
 class TimeSpanFinder {
  public:
   /// Adds `count` times, s.
