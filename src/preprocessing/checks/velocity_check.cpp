@@ -79,7 +79,7 @@ void VelocityCheck::add_fix(const LocalFix& fix, double speed) {
     section_->distance_travelled += speed * to_seconds(fix.stamp - section_->last);
     section_->last = fix.stamp;
     const double length = (fix.p_enu - section_->from.p_enu).head<2>().norm();
-    const double sigma = std::sqrt(fix.covariance.diagonal().head<2>().maxCoeff());
+    const double sigma = horizontal_sigma(fix.covariance);
     if (length < std::max(kMinSectionLength, kMinSigmasOfSection * sigma)) return;
     scales_.push_back(section_->distance_travelled / length);
     if (scales_.size() > kSections) scales_.pop_front();

@@ -35,10 +35,6 @@ constexpr double kMinMatchSpacing = 0.5;
 constexpr double kMinExtentForRotation = 5.0;
 constexpr double kMinSigmasForRotation = 5.0;
 
-double horizontal_sigma(const LocalFix& fix) {
-  return std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1)));
-}
-
 Pose leveled(const Pose& pose) {
   const Eigen::Vector3d ahead = pose.rotation * Eigen::Vector3d::UnitX();
   return {exp_so3({0.0, 0.0, std::atan2(ahead.y(), ahead.x())}), pose.translation};
@@ -109,7 +105,8 @@ std::optional<GnssGate::Alignment> GnssGate::alignment() const {
 std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p_dr) const {
   if (!last_good_) return "";
   const Eigen::Vector3d step = step_between(*last_good_, fix);
-  const double sigma = std::hypot(horizontal_sigma(fix), horizontal_sigma(*last_good_));
+  const double sigma =
+      std::hypot(horizontal_sigma(fix.covariance), horizontal_sigma(last_good_->covariance));
   const double seconds = to_seconds(fix.stamp - last_good_->stamp);
   const double max_distance = kMaxRoadSpeed * seconds + kSigmas * sigma + kTolerance;
   if (step.norm() > max_distance) return jump_text("since the last fix", step.norm(), max_distance);
@@ -136,7 +133,7 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
 void GnssGate::add_match(const LocalFix& fix, const Eigen::Vector3d& p_dr) {
   last_good_ = fix;
   if (path_length_ - last_match_.path_length > kMaxPathWithoutFix) matches_.clear();
-  last_match_ = {p_dr, fix.p_enu, horizontal_sigma(fix), path_length_};
+  last_match_ = {p_dr, fix.p_enu, horizontal_sigma(fix.covariance), path_length_};
   const bool is_standing =
       !matches_.empty() && path_length_ - matches_.back().path_length < kMinMatchSpacing;
   if (!is_standing) matches_.push_back(last_match_);

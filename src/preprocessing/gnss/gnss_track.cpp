@@ -241,8 +241,8 @@ bool GnssTrack::accepts_heading(const GnssPosition& position, const Eigen::Quate
   if (config_.imu_orientation != ImuOrientation::kAuto) {
     return config_.imu_orientation == ImuOrientation::kEnu;
   }
-  const double sigma = std::sqrt(position.covariance.diagonal().head<2>().maxCoeff());
-  heading_check_.add(position.p_enu_base(R_enu_base), sigma, R_enu_base, backwards);
+  heading_check_.add(position.p_enu_base(R_enu_base), horizontal_sigma(position.covariance),
+                     R_enu_base, backwards);
   return heading_check_.agrees().value_or(false);
 }
 

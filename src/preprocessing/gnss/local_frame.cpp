@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <GeographicLib/LocalCartesian.hpp>
 
 #include "lidar_mapping/common/text.hpp"
 
@@ -28,17 +27,12 @@ bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
          covariance.diagonal().head<2>().maxCoeff() > 0.0;
 }
 
-double horizontal_sigma(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
-}
-
 Eigen::Matrix3d diagonal(double sigma_xy, double sigma_z) {
   return Eigen::Vector3d(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z).asDiagonal();
 }
 
-GnssFix at_height(GnssFix fix, double altitude_m) {
-  if (!std::isfinite(fix.altitude_m)) fix.altitude_m = altitude_m;
-  return fix;
+double altitude_of(const GnssFix& fix, double otherwise) {
+  return std::isfinite(fix.altitude_m) ? fix.altitude_m : otherwise;
 }
 
 /// The reported covariance, made symmetric and not smaller than the lower bound; a configured one
@@ -67,6 +61,10 @@ LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
 }
 
 }  // namespace
+
+double horizontal_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+}
 
 std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
   if (fix.status < 0) return "the receiver has no fix";
@@ -104,52 +102,32 @@ Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to) {
   return step;
 }
 
-class LocalFrame::Projection {
- public:
-  explicit Projection(const GeodeticDatum& datum)
-      : datum_(datum), cartesian_(datum.latitude_deg, datum.longitude_deg, datum.altitude_m) {}
-
-  Eigen::Vector3d forward(const GnssFix& fix) const {
-    Eigen::Vector3d p;
-    cartesian_.Forward(fix.latitude_deg, fix.longitude_deg, fix.altitude_m, p.x(), p.y(), p.z());
-    return p;
-  }
-  const GeodeticDatum& datum() const { return datum_; }
-
- private:
-  GeodeticDatum datum_;
-  GeographicLib::LocalCartesian cartesian_;
-};
-
 LocalFrame::LocalFrame(const PreprocessingConfig& config) : config_(config) {
-  if (!config.use_datum) return;
-  projection_ = std::make_unique<Projection>(
-      GeodeticDatum{config.datum[0], config.datum[1], config.datum[2]});
+  if (config.use_datum) set_datum({config.datum[0], config.datum[1], config.datum[2]});
 }
 
-LocalFrame::~LocalFrame() = default;
+void LocalFrame::set_datum(const GeodeticDatum& datum) {
+  datum_ = datum;
+  projection_.Reset(datum.latitude_deg, datum.longitude_deg, datum.altitude_m);
+}
 
 void LocalFrame::begin_at(const GnssFix& fix) {
   if (config_.use_datum) return;
-  projection_ = std::make_unique<Projection>(
-      GeodeticDatum{fix.latitude_deg, fix.longitude_deg, at_height(fix, 0.0).altitude_m});
+  set_datum({fix.latitude_deg, fix.longitude_deg, altitude_of(fix, 0.0)});
 }
 
 LocalFix LocalFrame::to_local(const GnssFix& fix) {
-  if (!projection_) begin_at(fix);
+  if (!datum_) begin_at(fix);
   Eigen::Matrix3d covariance = bounded_covariance(fix, config_);
   if (!std::isfinite(fix.altitude_m)) {
     covariance.row(2).setZero();
     covariance.col(2).setZero();
     covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
   }
-  const GnssFix with_height = at_height(fix, projection_->datum().altitude_m);
-  return {fix.stamp, projection_->forward(with_height), covariance, fix.status};
-}
-
-std::optional<GeodeticDatum> LocalFrame::datum() const {
-  if (!projection_) return std::nullopt;
-  return projection_->datum();
+  Eigen::Vector3d p;
+  projection_.Forward(fix.latitude_deg, fix.longitude_deg, altitude_of(fix, datum_->altitude_m),
+                      p.x(), p.y(), p.z());
+  return {fix.stamp, p, covariance, fix.status};
 }
 
 LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
+
+#include <GeographicLib/LocalCartesian.hpp>
 
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
@@ -19,6 +20,9 @@ struct LocalFix {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   int status = 0;
 };
+
+/// The larger standard deviation of East and North, m.
+double horizontal_sigma(const Eigen::Matrix3d& covariance);
 
 /// The problem of a fix by itself: no fix, not finite, not on the Earth, (0, 0), status or
 /// covariance too poor. Empty for a usable fix.
@@ -36,7 +40,6 @@ Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to);
 class LocalFrame {
  public:
   explicit LocalFrame(const PreprocessingConfig& config);
-  ~LocalFrame();
 
   /// The fix in the local frame, with a covariance that is not smaller than the lower bound. The
   /// fix must be usable.
@@ -44,12 +47,14 @@ class LocalFrame {
   /// Sets the datum to this fix, unless the datum is configured. Positions that were converted
   /// before have to be converted again.
   void begin_at(const GnssFix& fix);
-  std::optional<GeodeticDatum> datum() const;
+  std::optional<GeodeticDatum> datum() const { return datum_; }
 
  private:
-  class Projection;
+  void set_datum(const GeodeticDatum& datum);
+
   PreprocessingConfig config_;
-  std::unique_ptr<Projection> projection_;
+  std::optional<GeodeticDatum> datum_;
+  GeographicLib::LocalCartesian projection_;  ///< at the datum, once there is one
 };
 
 /// The position at `stamp`, interpolated between two fixes. Its covariance is the weighted mean of
