@@ -8,8 +8,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::size_t kMaxLength = 30;          // scans, 3 s at 10 Hz; chosen: 80 MB of 64 beams
-constexpr Stamp kJumpBack = from_seconds(2.0);  // the recording has started again
+constexpr std::size_t kMaxLength = 30;  // scans, 3 s at 10 Hz; chosen: 80 MB of 64 beams
 
 }  // namespace
 

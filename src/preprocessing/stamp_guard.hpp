@@ -8,6 +8,10 @@
 
 namespace lidar_mapping::preprocessing {
 
+/// A stamp that is older than the newest one by more shows that the recording has started again.
+/// Chosen: longer than any network delay.
+constexpr Stamp kJumpBack = from_seconds(2.0);
+
 /// Distinguishes a single wrong stamp from a jump of time: a jump is accepted when the next stamp
 /// confirms it.
 class StampGuard {
@@ -32,9 +36,8 @@ class StampGuard {
 
  private:
   static bool follows(Stamp before, Stamp stamp) {
-    constexpr Stamp kMaxBackward = from_seconds(2.0);  // longer than any network delay
     constexpr Stamp kMaxForward = from_seconds(10.0);  // longer than a pause of a sensor; chosen
-    return stamp >= before - kMaxBackward && stamp <= before + kMaxForward;
+    return stamp >= before - kJumpBack && stamp <= before + kMaxForward;
   }
 
   std::optional<Stamp> newest_;

@@ -12,8 +12,6 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Stamps that go back by more mean another recording; longer than any network delay.
-constexpr Stamp kJumpBack = from_seconds(2.0);
 constexpr std::size_t kMaxPending = 200;  // fixes that wait for the motion, 20 s at 10 Hz; chosen
 // s of dead reckoning between two scans; after that it is too inaccurate to judge a fix (0.1 m/s of
 // an error of the speed are 1 m). Chosen.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "motion/sample_buffer.hpp"
+#include "stamp_guard.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -24,7 +25,7 @@ class SensorStream {
   /// have jumped back so far that the recording must have started again, nothing is inserted, and
   /// the result is kTimeWentBack.
   Insertion insert(Sample sample, const std::string& frame_id) {
-    if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - from_seconds(kJumpBack)) {
+    if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - kJumpBack) {
       return Insertion::kTimeWentBack;
     }
     if (frame_id != frame_id_) buffer_.clear();  // samples of another sensor
@@ -59,7 +60,6 @@ class SensorStream {
   // s of samples. Chosen: longer than any scan waits (30 scans, 3 s at 10 Hz).
   static constexpr double kHorizon = 20.0;
   static constexpr std::size_t kCapacity = 20000;  // samples of kHorizon at 1 kHz
-  static constexpr double kJumpBack = 2.0;         // s; chosen: longer than any network delay
   // s without a sample, after which the sensor is not active any more. Chosen: most send at 10 Hz
   // or more, and scans must not wait for one that has ended.
   static constexpr double kSilence = 1.0;
