@@ -34,21 +34,15 @@ class Preprocessor::Impl {
 
   void add_imu(const ImuSample& sample, const std::string& frame_id) {
     if (!config_.use_imu) return;
-    const auto insert = [&] { return sensors_.add_imu(sample, frame_id); };
     const Stamp stamp = sample.stamp + from_seconds(config_.imu_time_offset);
-    if (is_stray("imu", imu_guard_, stamp) || !insert_or_reset("imu", stamp, insert)) {
-      ++counters_.samples_refused;
-    }
+    add_sample("imu", imu_guard_, stamp, [&] { return sensors_.add_imu(sample, frame_id); });
   }
 
   void add_velocity(const VelocitySample& sample, const std::string& frame_id) {
     if (!config_.use_velocity) return;
-    const auto insert = [&] { return sensors_.add_velocity(sample, frame_id); };
     const Stamp stamp = sample.stamp + from_seconds(config_.velocity_time_offset);
-    if (is_stray("velocity", velocity_guard_, stamp) ||
-        !insert_or_reset("velocity", stamp, insert)) {
-      ++counters_.samples_refused;
-    }
+    add_sample("velocity", velocity_guard_, stamp,
+               [&] { return sensors_.add_velocity(sample, frame_id); });
   }
 
   void add_gnss(const GnssFix& fix, const std::string& frame_id) {
@@ -105,6 +99,13 @@ class Preprocessor::Impl {
   std::vector<Diagnostic> take_diagnostics() { return diagnostics_.take(); }
 
  private:
+  template <typename Insert>
+  void add_sample(const std::string& input, StampGuard& guard, Stamp stamp, const Insert& insert) {
+    if (is_stray(input, guard, stamp) || !insert_or_reset(input, stamp, insert)) {
+      ++counters_.samples_refused;
+    }
+  }
+
   bool is_stray(const std::string& input, StampGuard& guard, Stamp stamp) {
     if (guard.accepts(stamp, newest_)) return false;
     diagnostics_.stray_stamp(input, stamp - newest_);

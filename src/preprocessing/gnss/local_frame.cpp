@@ -53,7 +53,7 @@ LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   // The errors of neighbouring fixes are strongly correlated, so the mean is not more accurate than
   // its parts.
   LocalFix fix{stamp, a.p_enu + f * (b.p_enu - a.p_enu),
-               (1.0 - f) * a.covariance + f * b.covariance, std::min(a.status, b.status)};
+               (1.0 - f) * a.covariance + f * b.covariance};
   for (const LocalFix& end : {a, b}) {
     if (!has_height(end.covariance)) fix.covariance(2, 2) = end.covariance(2, 2);
   }
@@ -127,7 +127,7 @@ LocalFix LocalFrame::to_local(const GnssFix& fix) {
   Eigen::Vector3d p;
   projection_.Forward(fix.latitude_deg, fix.longitude_deg, altitude_of(fix, datum_->altitude_m),
                       p.x(), p.y(), p.z());
-  return {fix.stamp, p, covariance, fix.status};
+  return {fix.stamp, p, covariance};
 }
 
 LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp) {

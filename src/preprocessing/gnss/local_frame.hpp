@@ -18,7 +18,6 @@ struct LocalFix {
   Eigen::Vector3d p_enu = Eigen::Vector3d::Zero();  ///< m, East-North-Up
   /// m^2, not smaller than the configured lower bound; see has_height()
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-  int status = 0;
 };
 
 /// The larger standard deviation of East and North, m.

@@ -50,7 +50,6 @@ class SensorStream {
   const SampleBuffer<Sample>& buffer() const { return buffer_; }
   const std::string& frame_id() const { return frame_id_; }
   const std::string& name() const { return name_; }
-  bool enabled() const { return enabled_; }
   void clear() {
     buffer_.clear();
     given_up_ = false;
