@@ -62,41 +62,6 @@ Matrix6d hessian_of(const std::vector<Residual>& residuals) {
   return hessian;
 }
 
-/// A point of the source and its nearest neighbours in the target.
-struct Match {
-  double squared_distance;
-  std::optional<Residual> residual;
-};
-
-class Matcher {
- public:
-  Matcher(const pcl::search::KdTree<pcl::PointXYZ>& tree, const Pose& T_target_source)
-      : tree_(tree), T_target_source_(T_target_source) {}
-
-  std::optional<Match> match(const Eigen::Vector3d& p_source, double max_range) {
-    const Eigen::Vector3f p = (T_target_source_ * p_source).cast<float>();
-    tree_.nearestKSearch(pcl::PointXYZ(p.x(), p.y(), p.z()), kPlanePoints, indices_,
-                         squared_distances_);
-    if (indices_.empty() || squared_distances_[0] > max_range * max_range) return std::nullopt;
-    Match match{squared_distances_[0], std::nullopt};
-    if (const auto plane = fit_plane(*tree_.getInputCloud(), indices_)) {
-      match.residual = residual_of(*plane, p_source, T_target_source_);
-    }
-    return match;
-  }
-
- private:
-  const pcl::search::KdTree<pcl::PointXYZ>& tree_;
-  Pose T_target_source_;
-  pcl::Indices indices_;
-  std::vector<float> squared_distances_;
-};
-
-bool is_inlier(const Match& match, double max_range) {
-  if (match.residual) return std::abs(match.residual->value) < kSurfaceFraction * max_range;
-  return std::sqrt(match.squared_distance) < kPointFraction * max_range;
-}
-
 }  // namespace
 
 std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
@@ -111,35 +76,39 @@ std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indice
   return Plane{fit.mean + first, fit.normal};
 }
 
-Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,
-                 const Pose& T_target_source, double max_range) {
-  Fit fit;
+RegistrationResult evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree,
+                                const PclCloud& source, const Pose& T_target_source,
+                                double max_range) {
+  RegistrationResult result;
+  result.T_target_source = T_target_source;
   const std::size_t stride = (source.size() + kMaxPoints - 1) / kMaxPoints;
   double tried = 0.0, paired = 0.0, inliers = 0.0;
   std::vector<Residual> residuals;
-  Matcher matcher(tree, T_target_source);
+  pcl::Indices neighbors;
+  std::vector<float> squared_distances;
   for (std::size_t i = 0; i < source.size(); i += stride) {
     tried += 1.0;
-    const auto match = matcher.match(source[i].getVector3fMap().cast<double>(), max_range);
-    if (!match) continue;
+    const Eigen::Vector3d p_source = source[i].getVector3fMap().cast<double>();
+    const Eigen::Vector3f p = (T_target_source * p_source).cast<float>();
+    tree.nearestKSearch(pcl::PointXYZ(p.x(), p.y(), p.z()), kPlanePoints, neighbors,
+                        squared_distances);
+    if (neighbors.empty() || squared_distances[0] > max_range * max_range) continue;
+    const double squared_distance = squared_distances[0];
     paired += 1.0;
-    fit.fitness += match->squared_distance;
-    if (is_inlier(*match, max_range)) inliers += 1.0;
-    if (match->residual) residuals.push_back(*match->residual);
+    result.fitness += squared_distance;
+    if (const auto plane = fit_plane(*tree.getInputCloud(), neighbors)) {
+      residuals.push_back(residual_of(*plane, p_source, T_target_source));
+      if (std::abs(residuals.back().value) < kSurfaceFraction * max_range) inliers += 1.0;
+    } else if (std::sqrt(squared_distance) < kPointFraction * max_range) {
+      inliers += 1.0;
+    }
   }
-  if (paired == 0.0) return fit;
-  fit.fitness /= paired;
-  fit.overlap = paired / tried;
-  fit.inlier_fraction = inliers / tried;
-  fit.hessian = hessian_of(residuals);
-  return fit;
-}
-
-void copy_figures(const Fit& fit, RegistrationResult& result) {
-  result.fitness = fit.fitness;
-  result.inlier_fraction = fit.inlier_fraction;
-  result.overlap = fit.overlap;
-  result.hessian = fit.hessian;
+  if (paired == 0.0) return result;
+  result.fitness /= paired;
+  result.overlap = paired / tried;
+  result.inlier_fraction = inliers / tried;
+  result.hessian = hessian_of(residuals);
+  return result;
 }
 
 }  // namespace lidar_mapping::registration

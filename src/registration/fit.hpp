@@ -24,21 +24,12 @@ struct Plane {
 /// The plane through points of a cloud; none where they lie on a line or fill a volume.
 std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices);
 
-/// How well a source lies on a target; the fields mean what those of RegistrationResult mean.
-struct Fit {
-  double fitness = 0.0;
-  double inlier_fraction = 0.0;
-  double overlap = 0.0;
-  Matrix6d hessian = Matrix6d::Zero();
-};
-
 /// Evaluates T_target_source by the nearest neighbours of the source's points in the target, whose
 /// search tree is `tree`, up to `max_range` (m). So methods that only return a pose have the same
 /// figures as others. The Hessian is that of the distances to the planes through the neighbours.
-Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,
-                 const Pose& T_target_source, double max_range);
-
-/// Copies the figures of a fit into a result.
-void copy_figures(const Fit& fit, RegistrationResult& result);
+/// The caller adds convergence and iterations to the result.
+RegistrationResult evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree,
+                                const PclCloud& source, const Pose& T_target_source,
+                                double max_range);
 
 }  // namespace lidar_mapping::registration

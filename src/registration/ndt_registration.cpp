@@ -85,13 +85,11 @@ class NdtRegistration : public Registration {
       match = matcher_.match(points, levels_[level], nothing, match.state, options_);
       iterations += match.iterations;
     }
-    RegistrationResult result;
-    result.T_target_source = match.state.T_map_sensor;
+    RegistrationResult result =
+        evaluate_fit(tree_, cloud, match.state.T_map_sensor, config_.fitness_max_range);
     // Without a single pair there is no step either.
     result.converged = match.converged && match.overlap > 0.0;
     result.iterations = iterations;
-    copy_figures(evaluate_fit(tree_, cloud, result.T_target_source, config_.fitness_max_range),
-                 result);
     return result;
   }
 

@@ -33,13 +33,12 @@ RegistrationResult PclRegistration::align(const PointCloud& source,
   if (!matrix.allFinite()) return result;
 
   const Pose T_middle_source = Pose::from_matrix(matrix.cast<double>());
+  result =
+      evaluate_fit(*method().getSearchMethodTarget(), *cloud, T_middle_source, fitness_max_range_);
   result.T_target_source = T_target_middle_ * T_middle_source;
   const Outcome outcome = this->outcome();
   result.converged = outcome.converged;
   result.iterations = outcome.iterations;
-  copy_figures(
-      evaluate_fit(*method().getSearchMethodTarget(), *cloud, T_middle_source, fitness_max_range_),
-      result);
   return result;
 }
 

@@ -107,17 +107,21 @@ class VgicpRegistration : public Registration {
     const PclCloud::Ptr cloud = to_pcl(source);
     if (map_.empty() || cloud->size() < kLeastPoints) return result;
     const std::vector<Eigen::Vector3d> normals = normals_of(cloud);
+    Pose T = T_target_source_guess;
     double damping = 0.0;
-    while (result.iterations < config_.max_iterations && !result.converged) {
-      ++result.iterations;
-      const auto pairs = paired(*cloud, normals, result.T_target_source);
+    int iterations = 0;
+    bool converged = false;
+    while (iterations < config_.max_iterations && !converged) {
+      ++iterations;
+      const auto pairs = paired(*cloud, normals, T);
       if (pairs.empty()) break;
-      const Vector6d step = improve(pairs, damping, result.T_target_source);
-      result.converged = step.head<3>().norm() < config_.transformation_epsilon &&
-                         step.tail<3>().norm() < config_.rotation_epsilon;
+      const Vector6d step = improve(pairs, damping, T);
+      converged = step.head<3>().norm() < config_.transformation_epsilon &&
+                  step.tail<3>().norm() < config_.rotation_epsilon;
     }
-    copy_figures(evaluate_fit(tree_, *cloud, result.T_target_source, config_.fitness_max_range),
-                 result);
+    result = evaluate_fit(tree_, *cloud, T, config_.fitness_max_range);
+    result.converged = converged;
+    result.iterations = iterations;
     return result;
   }
 
