@@ -21,16 +21,15 @@ class PclGicp : public PclRegistration {
     gicp_.setMaximumIterations(config.max_iterations);
     gicp_.setTransformationEpsilon(config.transformation_epsilon);
     gicp_.setRotationEpsilon(config.rotation_epsilon);
-    max_iterations_ = config.max_iterations;
   }
 
  private:
   PclMethod& method() override { return gicp_; }
   Outcome outcome() override {
-    return {gicp_.hasConverged() && gicp_.iterations() < max_iterations_, gicp_.iterations()};
+    return {gicp_.hasConverged() && gicp_.iterations() < gicp_.getMaximumIterations(),
+            gicp_.iterations()};
   }
 
-  int max_iterations_ = 0;
   CountedGicp gicp_;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -95,9 +94,9 @@ class VgicpRegistration : public Registration {
 
   void set_target(const PointCloud& target) override {
     const PclCloud::Ptr cloud = to_pcl(target);
-    map_.clear();
+    map_.reset();
     if (cloud->size() < kLeastPoints) return;
-    map_.push_back(voxel_target(*cloud, config_.resolution, {}));
+    map_ = voxel_target(*cloud, config_.resolution, {});
     tree_.setInputCloud(cloud);
   }
 
@@ -105,7 +104,7 @@ class VgicpRegistration : public Registration {
     RegistrationResult result;
     result.T_target_source = T_target_source_guess;
     const PclCloud::Ptr cloud = to_pcl(source);
-    if (map_.empty() || cloud->size() < kLeastPoints) return result;
+    if (!map_ || cloud->size() < kLeastPoints) return result;
     const std::vector<Eigen::Vector3d> normals = normals_of(cloud);
     Pose T = T_target_source_guess;
     double damping = 0.0;
@@ -146,7 +145,7 @@ class VgicpRegistration : public Registration {
 
   std::vector<Pair> paired(const PclCloud& cloud, const std::vector<Eigen::Vector3d>& normals,
                            const Pose& T) {
-    GaussianVoxelMap& map = map_.front();
+    GaussianVoxelMap& map = *map_;
     const Eigen::Vector3d origin = map.origin();
     const Eigen::Matrix3d R = T.rotation_matrix();
     std::vector<Pair> pairs;
@@ -190,7 +189,7 @@ class VgicpRegistration : public Registration {
 
   RegistrationConfig config_;
   std::vector<Eigen::Vector3i> neighborhood_;
-  std::vector<GaussianVoxelMap> map_;  ///< one, or none without a target
+  std::optional<GaussianVoxelMap> map_;  ///< none without a target
   pcl::search::KdTree<pcl::PointXYZ> tree_;
 };
 
