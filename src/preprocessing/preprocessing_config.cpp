@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "lidar_mapping/common/units.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 namespace {

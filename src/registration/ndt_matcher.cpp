@@ -2,7 +2,6 @@
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

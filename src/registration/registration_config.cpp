@@ -4,8 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::registration {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include <Eigen/LU>
-
 #include "method_test.hpp"
 
 namespace lidar_mapping::registration {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "checks/accelerometer_check.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {

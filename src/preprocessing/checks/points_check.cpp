@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/text.hpp"

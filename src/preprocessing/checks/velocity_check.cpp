@@ -7,8 +7,6 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "checks/sensor_record.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 namespace {

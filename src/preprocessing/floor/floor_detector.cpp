@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Eigenvalues>
 
 #include "lidar_mapping/common/plane_fit.hpp"
 #include "lidar_mapping/common/pose.hpp"

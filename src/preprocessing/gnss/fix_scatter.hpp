@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <deque>
-#include <vector>
 
 #include "gnss/local_frame.hpp"
 
