@@ -57,6 +57,14 @@ inline GnssFix fix(Stamp stamp, double latitude_deg = 49.0, double longitude_deg
   return result;
 }
 
+/// The messages since the last call, a line each.
+template <typename Stage>
+std::string messages_of(Stage& stage) {
+  std::string text;
+  for (const Diagnostic& diagnostic : stage.take_diagnostics()) text += diagnostic.text + "\n";
+  return text;
+}
+
 inline void append(std::vector<SyncedScan>& all, std::vector<SyncedScan> more) {
   for (SyncedScan& scan : more) all.push_back(std::move(scan));
 }

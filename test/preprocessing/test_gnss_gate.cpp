@@ -27,8 +27,7 @@ struct Outcome {
 using Spoil = std::function<void(std::vector<GnssFix>&)>;
 
 Outcome drive_with(const simulation::Drive& drive, bool with_motion, bool gating,
-                   double delay = 0.0,
-                   const std::function<void(std::vector<GnssFix>&)>& spoil = nullptr) {
+                   double delay = 0.0, const Spoil& spoil = nullptr) {
   PreprocessingConfig config;
   config.gnss_gating = gating;
   const GeodeticDatum datum = drive.datum();
@@ -174,8 +173,7 @@ TEST(GnssTrack, BeginsItsFrameAtTheNextFixesThatAgree) {
     EXPECT_LT(scan.gnss->p_enu_antenna.norm(), 1000.0);
   }
   EXPECT_GE(with_gnss, scans.size() - 6);
-  std::string said;
-  for (const Diagnostic& diagnostic : stage.take_diagnostics()) said += diagnostic.text + "\n";
+  const std::string said = test::messages_of(stage);
   EXPECT_NE(said.find("gnss: the first fix is 556 km from the next ones"), std::string::npos)
       << said;
 }

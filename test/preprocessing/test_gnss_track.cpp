@@ -65,11 +65,7 @@ class Track : public testing::Test {
     return position ? position->p_enu_antenna
                     : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   }
-  std::string messages() {
-    std::string text;
-    for (const Diagnostic& diagnostic : track_.take_diagnostics()) text += diagnostic.text + "\n";
-    return text;
-  }
+  std::string messages() { return test::messages_of(track_); }
 
   Pose T_base_antenna_{Eigen::Quaterniond::Identity(), {0.3, -0.2, 1.5}};
   Extrinsics extrinsics_{[this](const std::string& frame) -> std::optional<Pose> {
@@ -78,11 +74,6 @@ class Track : public testing::Test {
   }};
   MotionSensors sensors_;
   GnssTrack track_;
-};
-
-class TrackWith : public Track {
- protected:
-  explicit TrackWith(const PreprocessingConfig& config) : Track(config) {}
 };
 
 TEST_F(Track, BeginsAtTheFirstFixAndInterpolates) {
@@ -255,9 +246,9 @@ TEST_F(Track, ForgetsFixesButNotItsFrame) {
   EXPECT_NEAR(position_at(-99.5).x(), 505.0, 0.01);
 }
 
-class TrackWithoutGating : public TrackWith {
+class TrackWithoutGating : public Track {
  protected:
-  TrackWithoutGating() : TrackWith(config()) {}
+  TrackWithoutGating() : Track(config()) {}
   static PreprocessingConfig config() {
     PreprocessingConfig result;
     result.gnss_gating = false;
@@ -274,9 +265,9 @@ TEST_F(TrackWithoutGating, AcceptsJumpsAndIsSureOfItsDatum) {
   EXPECT_NEAR(position_at(1.0).x(), 5000.0, 0.01);
 }
 
-class TrackWithOffset : public TrackWith {
+class TrackWithOffset : public Track {
  protected:
-  TrackWithOffset() : TrackWith(config()) {}
+  TrackWithOffset() : Track(config()) {}
   static PreprocessingConfig config() {
     PreprocessingConfig result;
     result.gnss_time_offset = -0.5;
@@ -289,9 +280,9 @@ TEST_F(TrackWithOffset, MovesTheStampsByTheConfiguredOffset) {
   EXPECT_NEAR(position_at(1.5).x(), 20.0, 1e-3) << "the fix of 2 s was measured at 1.5 s";
 }
 
-class TrackWithDatum : public TrackWith {
+class TrackWithDatum : public Track {
  protected:
-  TrackWithDatum() : TrackWith(config()) {}
+  TrackWithDatum() : Track(config()) {}
   static PreprocessingConfig config() {
     PreprocessingConfig result;
     result.use_datum = true;

@@ -36,10 +36,7 @@ TEST(Preprocessor, DoesNotUseAGyroWithImpossibleRates) {
   ASSERT_EQ(scans.size(), 30U);
   EXPECT_TRUE(scans[12].imu->has_angular_velocity);  // a shock is none
   EXPECT_FALSE(scans[20].imu->has_angular_velocity);
-  const auto diagnostics = stage.take_diagnostics();
-  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
-    return diagnostic.text.find("imu_angular_unit") != std::string::npos;
-  }));
+  EXPECT_NE(test::messages_of(stage).find("imu_angular_unit"), std::string::npos);
 }
 
 // Turns of 5 degrees/s look like 5 rad/s: no vehicle's limit tells, but the velocity does.
@@ -95,14 +92,10 @@ TEST(Preprocessor, DoesNotUseAGyroAtTheEndOfItsRange) {
   }
   EXPECT_GT(kept, 3);
   EXPECT_LT(kept, 25);
-  const auto says_range = [](Preprocessor& stage) {
-    const auto diagnostics = stage.take_diagnostics();
-    return std::count_if(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
-      return diagnostic.text.find("end at 3.0 rad/s") != std::string::npos;
-    });
-  };
-  EXPECT_EQ(says_range(clipped), 1);
-  EXPECT_EQ(says_range(whole), 0);
+  const std::string said = test::messages_of(clipped), range = "end at 3.0 rad/s";
+  EXPECT_NE(said.find(range), std::string::npos) << said;
+  EXPECT_EQ(said.find(range), said.rfind(range)) << "it is said once";
+  EXPECT_EQ(test::messages_of(whole).find(range), std::string::npos);
 }
 
 TEST(Preprocessor, WaitsForTheTransformOfTheScan) {

@@ -62,8 +62,7 @@ Outcome driven(const Sender& sent, Fixes fixes = Fixes::kGood) {
     append(outcome.scans, stage.process(std::move(scan)));
   }
   append(outcome.scans, stage.flush());
-  for (const Diagnostic& diagnostic : stage.take_diagnostics())
-    outcome.diagnostics += diagnostic.text + "\n";
+  outcome.diagnostics = test::messages_of(stage);
   return outcome;
 }
 
