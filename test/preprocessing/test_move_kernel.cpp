@@ -12,9 +12,9 @@
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
-#include "../../src/preprocessing/points/move_kernel.hpp"
-#include "../../src/preprocessing/points/times_kernel.hpp"
 #include "near.hpp"
+#include "points/move_kernel.hpp"
+#include "points/times_kernel.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {

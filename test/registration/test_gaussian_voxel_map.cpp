@@ -5,23 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
-
+#include "corner_map.hpp"
 #include "near.hpp"
-#include "scenes.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
-
-void insert(const PointCloud& cloud, GaussianVoxelMap& map) {
-  for (const Point& p : cloud.points) map.insert(&p.x, &p.y, &p.z, 1);
-}
-
-GaussianVoxelMap corner_map() {
-  GaussianVoxelMap map(1.0, 1 << 14);
-  insert(test::street_corner(1, 30000, 0.02), map);
-  return map;
-}
 
 TEST(GaussianVoxelMap, GivesMeanAndCovarianceOfItsPoints) {
   std::mt19937 engine(1);

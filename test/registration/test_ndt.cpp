@@ -5,19 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
-#include "../../src/registration/ndt_kernels.hpp"
+#include "corner_map.hpp"
+#include "ndt_kernels.hpp"
 #include "near.hpp"
-#include "scenes.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
-
-void insert(const PointCloud& cloud, GaussianVoxelMap& map) {
-  for (const Point& p : cloud.points) map.insert(&p.x, &p.y, &p.z, 1);
-}
 
 /// Points of the scene as a sensor at T_map_sensor sees them, moving with `twist`.
 NdtPoints seen_from(const MotionState& state, const PointCloud& scene) {
@@ -37,11 +32,7 @@ NdtPoints seen_from(const MotionState& state, const PointCloud& scene) {
   return points;
 }
 
-GaussianVoxelMap corner_map() {
-  GaussianVoxelMap map(1.0, 1 << 14);
-  insert(test::street_corner(1, 30000, 0.02), map);
-  return map;
-}
+const MotionBelief kWeak{{}, Matrix12d::Identity()};
 
 TEST(NdtMatcher, FindsPoseAndTwistTogether) {
   GaussianVoxelMap map = corner_map();
@@ -49,8 +40,7 @@ TEST(NdtMatcher, FindsPoseAndTwistTogether) {
   truth.T_map_sensor = {exp_so3({0.01, -0.02, 0.1}), {0.4, -0.3, 0.05}};
   truth.twist << 5.0, 0.0, 0.0, 0.0, 0.0, 0.4;
   const NdtPoints points = seen_from(truth, test::street_corner(2, 4000, 0.01));
-  MotionBelief nothing;
-  nothing.information = Matrix12d::Identity() * 1e-6;
+  const MotionBelief nothing{{}, 1e-6 * Matrix12d::Identity()};
   const NdtMatch match = NdtMatcher().match(points, map, nothing, MotionState{}, NdtOptions{});
   EXPECT_TRUE(match.converged);
   EXPECT_TRUE(test::near(match.state.T_map_sensor, truth.T_map_sensor, 0.01, 0.002));
@@ -61,13 +51,11 @@ TEST(NdtMatcher, FindsPoseAndTwistTogether) {
 // A step of less than a millimetre changes nothing: going on would cost time and bring nothing.
 TEST(NdtMatcher, StopsWhereAStepNoLongerMatters) {
   GaussianVoxelMap map = corner_map();
-  MotionBelief weak;
-  weak.information = Matrix12d::Identity();
   MotionState start;
   start.T_map_sensor = {exp_so3({0.0, 0.0, 0.02}), {0.1, -0.05, 0.02}};
   for (const unsigned seed : {2U, 3U, 4U}) {
     const NdtPoints points = seen_from(MotionState{}, test::street_corner(seed, 4000, 0.02));
-    const NdtMatch match = NdtMatcher().match(points, map, weak, start, NdtOptions{});
+    const NdtMatch match = NdtMatcher().match(points, map, kWeak, start, NdtOptions{});
     EXPECT_TRUE(match.converged);
     EXPECT_LE(match.iterations, 4) << seed << ": 5 or 6 with a tolerance a hundredth as large";
   }
@@ -76,11 +64,9 @@ TEST(NdtMatcher, StopsWhereAStepNoLongerMatters) {
 // In units of what the planes claim: walls that are smoother than those of the map fit better.
 TEST(NdtMatcher, TellsHowFarThePointsLieFromTheirPlanes) {
   GaussianVoxelMap map = corner_map();
-  MotionBelief weak;
-  weak.information = Matrix12d::Identity();
   const auto variance_with = [&](double noise) {
     const NdtPoints points = seen_from(MotionState{}, test::street_corner(2, 4000, noise));
-    return NdtMatcher().match(points, map, weak, MotionState{}, NdtOptions{}).residual_variance;
+    return NdtMatcher().match(points, map, kWeak, MotionState{}, NdtOptions{}).residual_variance;
   };
   const double usual = variance_with(0.02);
   EXPECT_GT(usual, 0.1);
@@ -92,15 +78,13 @@ TEST(NdtMatcher, TellsHowFarThePointsLieFromTheirPlanes) {
 TEST(NdtMatcher, AllNeighborSearchesAgree) {
   GaussianVoxelMap map = corner_map();
   const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 4000, 0.01));
-  MotionBelief weak;
-  weak.information = Matrix12d::Identity();
   MotionState start;
   start.T_map_sensor.translation = {0.3, 0.2, -0.1};
   for (const auto search :
        {NeighborSearch::kDirect1, NeighborSearch::kDirect7, NeighborSearch::kKdTree}) {
     NdtOptions options;
     options.neighbor_search = search;
-    const NdtMatch match = NdtMatcher().match(points, map, weak, start, options);
+    const NdtMatch match = NdtMatcher().match(points, map, kWeak, start, options);
     EXPECT_LT(match.state.T_map_sensor.translation.norm(), 0.03);
   }
 }
@@ -149,9 +133,7 @@ TEST(NdtMatcher, FollowsThePriorAlongBlindDirectionsAndThePointsElsewhere) {
 TEST(NdtMatcher, SaysThatNothingFits) {
   GaussianVoxelMap empty(1.0, 64);
   const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 1000, 0.01));
-  MotionBelief weak;
-  weak.information = Matrix12d::Identity();
-  const NdtMatch match = NdtMatcher().match(points, empty, weak, MotionState{}, NdtOptions{});
+  const NdtMatch match = NdtMatcher().match(points, empty, kWeak, MotionState{}, NdtOptions{});
   EXPECT_EQ(match.overlap, 0.0);
   EXPECT_EQ(match.quality, 0.0);
 }

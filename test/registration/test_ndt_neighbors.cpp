@@ -82,12 +82,16 @@ std::vector<float> plane_heights(const NdtNeighbors& neighbors, std::size_t poin
   return heights;
 }
 
-std::vector<float> found_heights(GaussianVoxelMap& map, NeighborSearch search,
-                                 const Eigen::Vector3f& position) {
-  const Points points({position});
-  NdtNeighbors neighbors;
+void find(const Points& points, NeighborSearch search, GaussianVoxelMap& map,
+          NdtNeighbors& neighbors) {
   neighbors.begin(points.cells.size(), search);
   neighbors.update(points.cells, points.rotated, map);
+}
+
+std::vector<float> found_heights(GaussianVoxelMap& map, NeighborSearch search,
+                                 const Eigen::Vector3f& position) {
+  NdtNeighbors neighbors;
+  find(Points({position}), search, map, neighbors);
   return plane_heights(neighbors, 0);
 }
 
@@ -104,8 +108,7 @@ TEST(NdtNeighbors, GiveThePlaneOfTheVoxelOfEachPoint) {
   const Points points(
       {{0.5F, 0.5F, 0.9F}, {-0.5F, 0.5F, 0.1F}, {0.5F, -299.5F, 5.1F}, {7.0F, 7.0F, 7.0F}});
   NdtNeighbors neighbors;
-  neighbors.begin(points.cells.size(), NeighborSearch::kDirect1);
-  neighbors.update(points.cells, points.rotated, map);
+  find(points, NeighborSearch::kDirect1, map, neighbors);
   ASSERT_EQ(neighbors.count(), 1U);
   expect_heights(plane_heights(neighbors, 0), {0.3F});
   expect_heights(plane_heights(neighbors, 1), {0.7F});
@@ -151,8 +154,7 @@ TEST(NdtNeighbors, KeepThePlaneUntilThePointIsInAnotherVoxel) {
   add_plate(map, {0, 0, 0}, 0.3F);
   Points points({{0.5F, 0.5F, 0.5F}, {0.5F, 0.5F, 0.6F}});
   NdtNeighbors neighbors;
-  neighbors.begin(points.cells.size(), NeighborSearch::kDirect1);
-  neighbors.update(points.cells, points.rotated, map);
+  find(points, NeighborSearch::kDirect1, map, neighbors);
   map.clear();
   add_plate(map, {0, 0, 0}, 0.8F);
   points.move(0, {0.9F, 0.1F, 0.2F});
@@ -175,8 +177,7 @@ TEST(NdtNeighbors, DiscardAllPlanesAtTheBeginning) {
   for (const float height : {0.3F, 0.8F}) {
     map.clear();
     add_plate(map, {0, 0, 0}, height);
-    neighbors.begin(points.cells.size(), NeighborSearch::kDirect1);
-    neighbors.update(points.cells, points.rotated, map);
+    find(points, NeighborSearch::kDirect1, map, neighbors);
     expect_heights(plane_heights(neighbors, 0), {height});
   }
 }
@@ -189,8 +190,7 @@ TEST(NdtNeighbors, FollowAChangeOfTheSearch) {
   for (const auto& [search, planes] :
        {std::pair(NeighborSearch::kDirect7, 3U), std::pair(NeighborSearch::kDirect1, 1U),
         std::pair(NeighborSearch::kDirect7, 3U)}) {
-    neighbors.begin(points.cells.size(), search);
-    neighbors.update(points.cells, points.rotated, map);
+    find(points, search, map, neighbors);
     EXPECT_EQ(plane_heights(neighbors, 0).size(), planes);
   }
 }
@@ -207,8 +207,7 @@ TEST(NdtNeighbors, AreTheSideThatFacesTheSensor) {
   for (const auto& [viewpoint, height] : {std::pair(above, 0.6F), std::pair(below, 0.4F)}) {
     points.rotated.viewpoint = viewpoint;
     NdtNeighbors neighbors;
-    neighbors.begin(points.cells.size(), NeighborSearch::kDirect1);
-    neighbors.update(points.cells, points.rotated, map);
+    find(points, NeighborSearch::kDirect1, map, neighbors);
     expect_heights(plane_heights(neighbors, 0), {height});
   }
 }
