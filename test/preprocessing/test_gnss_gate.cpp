@@ -110,7 +110,7 @@ TEST(GnssGate, AcceptsFixesAgainAfterAnOutage) {
   EXPECT_GT(outcome.with_gnss, outcome.scans - 620);
 }
 
-// Who knows the whole drive corrects them, the first ones too.
+// The back end, which knows the whole drive, corrects them, the first ones too.
 TEST(GnssTrack, DoesNotChangeLateStamps) {
   simulation::DriveOptions options;
   options.seed = 3;

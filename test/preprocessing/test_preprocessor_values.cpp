@@ -185,7 +185,7 @@ std::vector<Eigen::Vector3d> rates_with_late_velocities(int delay) {
   return rates;
 }
 
-// Nodes and map_bag made two maps of one drive, and two runs of the nodes, too.
+// The nodes and map_bag read the samples in different orders, and have to make the same map.
 TEST(Preprocessor, DoesNotDependOnTheOrderOfArrival) {
   const auto prompt = rates_with_late_velocities(0);
   const auto late = rates_with_late_velocities(15);
@@ -239,6 +239,78 @@ TEST(Preprocessor, ReturnsTheLeverArm) {
   });
   auto scans = drive(stage, 2.0, kNothingMissing);
   EXPECT_TRUE(near(scans.back().gnss->p_base_antenna, Eigen::Vector3d(1.5, 0.0, 0.3), 1e-12));
+}
+
+/// A wall north of a vehicle that drives a bend has to be straight after the compensation of the
+/// motion, seen by a sensor that is turned by 90 degrees and a metre off: velocity and rate are
+/// measured in base_link, the points in the frame of the sensor.
+TEST(Preprocessor, AppliesTheExtrinsicInTheRightDirection) {
+  const Pose T_base_lidar{exp_so3({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.5}};
+  Preprocessor stage({}, [&](const std::string& frame) {
+    return frame == "lidar" ? T_base_lidar : Pose::Identity();
+  });
+  constexpr double kSpeed = 10.0;     // m/s
+  constexpr double kYawRate = 0.4;    // rad/s
+  constexpr double kDuration = 0.09;  // s, of a scan after its stamp
+  const auto T_map_base = [&](double t) {
+    const double yaw = kYawRate * t;
+    const double radius = kSpeed / kYawRate;
+    return Pose{exp_so3({0.0, 0.0, yaw}),
+                {radius * std::sin(yaw), radius * (1.0 - std::cos(yaw)), 0.0}};
+  };
+  std::vector<SyncedScan> scans;
+  for (int tick = 0; tick < 120; ++tick) {
+    const double t = 0.01 * tick;
+    stage.add_imu(imu(at(t), {0.0, 0.0, kYawRate}), "imu");
+    stage.add_velocity(velocity(at(t), {kSpeed, 0.0, 0.0}, {0.0, 0.0, kYawRate}), "imu");
+    if (tick % 10 != 5) continue;
+    RawScan scan;
+    scan.stamp = at(t);
+    scan.frame_id = "lidar";
+    for (int i = 0; i <= 100; ++i) {
+      const double after = kDuration * i / 100.0;
+      const Eigen::Vector3d p_map(0.1 * i, 25.0, 1.0);
+      const Eigen::Vector3f p =
+          ((T_map_base(t + after) * T_base_lidar).inverse() * p_map).cast<float>();
+      scan.cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
+      scan.cloud.times.push_back(static_cast<float>(after));
+    }
+    append(scans, stage.process(std::move(scan)));
+  }
+  append(scans, stage.flush());
+  ASSERT_EQ(scans.size(), 12U);
+  scans.pop_back();  // nothing was measured until its end
+  for (const SyncedScan& scan : scans) {
+    ASSERT_FALSE(scan.scan.cloud.has_times()) << "the motion is compensated";
+    const Pose T_map_lidar = T_map_base(to_seconds(scan.scan.stamp - at(0.0))) * T_base_lidar;
+    for (std::size_t i = 0; i < scan.scan.cloud.size(); ++i) {
+      const Eigen::Vector3d p_map =
+          T_map_lidar * scan.scan.cloud.points[i].position().cast<double>();
+      ASSERT_NEAR(p_map.x(), 0.1 * static_cast<double>(i), 0.005);
+      ASSERT_NEAR(p_map.y(), 25.0, 0.005);
+      ASSERT_NEAR(p_map.z(), 1.0, 0.005);
+    }
+  }
+}
+
+TEST(Preprocessor, AcceptsLateImuSamplesOfAnyRate) {
+  for (const double rate : {100.0, 400.0, 1000.0}) {
+    Preprocessor stage({}, identity_lookup);
+    std::vector<SyncedScan> scans;
+    double next = 0.0;
+    for (int tick = 0; tick < 300; ++tick) {
+      for (; next + 0.15 <= 0.01 * tick; next += 1.0 / rate) {
+        stage.add_imu(imu(at(next), {0.0, 0.0, 0.2}), "imu");
+        append(scans, stage.take_complete());
+      }
+      if (tick % 10 == 5) append(scans, stage.process(ring_scan(at(0.01 * tick))));
+    }
+    append(scans, stage.flush());
+    ASSERT_EQ(scans.size(), 30U) << rate;
+    std::size_t with_imu = 0;
+    for (const SyncedScan& scan : scans) with_imu += scan.imu.has_value() ? 1 : 0;
+    EXPECT_GE(with_imu, 27U) << rate;
+  }
 }
 
 PointCloud cloud_of(const PreprocessingConfig& config, RawScan scan) {

@@ -9,6 +9,7 @@
 #include "gnss/local_frame.hpp"
 #include "motion/interpolation.hpp"
 #include "motion/sample_buffer.hpp"
+#include "motion/sensor_stream.hpp"
 #include "near.hpp"
 #include "samples.hpp"
 
@@ -195,6 +196,72 @@ TEST(Velocity, IsPlausibleOnlyIfBothPartsAre) {
   EXPECT_FALSE(plausible(30.0, 1e4));
   EXPECT_FALSE(plausible(kNaN, 1.0));
   EXPECT_FALSE(plausible(30.0, kNaN));
+}
+
+// Which samples of a sensor may still come.
+
+struct Sample {
+  Stamp stamp = 0;
+};
+
+class Stream : public testing::Test {
+ protected:
+  static Stamp at(double seconds) { return from_seconds(1000.0 + seconds); }
+  Insertion insert(double seconds, const std::string& frame = "imu") {
+    return stream_.insert({at(seconds)}, frame);
+  }
+  bool may_still_deliver(double until, double now) const {
+    return stream_.may_still_deliver(at(until), at(now), from_seconds(0.2));
+  }
+  SensorStream<Sample> stream_{"imu", true, 0.1};
+};
+
+TEST_F(Stream, RefusesWhatItHasAndTellsThatTimeWentBack) {
+  EXPECT_EQ(insert(5.0), Insertion::kInserted);
+  EXPECT_EQ(insert(5.0), Insertion::kRefused);
+  EXPECT_EQ(insert(4.0), Insertion::kInserted) << "late, but new";
+  EXPECT_EQ(insert(3.01), Insertion::kInserted);
+  EXPECT_EQ(insert(2.99), Insertion::kTimeWentBack);
+  EXPECT_EQ(stream_.buffer().size(), 3U) << "nothing is inserted then";
+}
+
+TEST_F(Stream, BeginsAgainWithAnotherFrame) {
+  insert(5.0);
+  insert(5.1);
+  EXPECT_EQ(insert(5.2, "other"), Insertion::kInserted);
+  EXPECT_EQ(stream_.buffer().size(), 1U);
+  EXPECT_EQ(stream_.frame_id(), "other");
+}
+
+TEST_F(Stream, GivesTheFirstSampleTimeToArrive) {
+  EXPECT_TRUE(may_still_deliver(5.0, 5.19));
+  EXPECT_FALSE(may_still_deliver(5.0, 5.21));
+}
+
+TEST_F(Stream, WaitsWhileTheSensorSends) {
+  insert(4.9);
+  EXPECT_TRUE(may_still_deliver(5.0, 5.1));
+  EXPECT_FALSE(may_still_deliver(5.0, 5.21)) << "the latency is over";
+  EXPECT_FALSE(may_still_deliver(4.9, 5.0)) << "it is there";
+}
+
+TEST_F(Stream, DoesNotWaitForASensorThatHasEnded) {
+  insert(3.9);
+  EXPECT_TRUE(may_still_deliver(5.0, 5.05));
+  EXPECT_FALSE(may_still_deliver(5.0, 5.15)) << "silent for a second and the latency";
+}
+
+TEST_F(Stream, DoesNotWaitForASensorThatWasGivenUpUntilItDelivers) {
+  stream_.give_up_if_silent();
+  EXPECT_FALSE(may_still_deliver(5.0, 5.0));
+  insert(4.9);
+  stream_.give_up_if_silent();
+  EXPECT_TRUE(may_still_deliver(5.0, 5.0));
+}
+
+TEST_F(Stream, DoesNotWaitForASensorThatIsSwitchedOff) {
+  const SensorStream<Sample> off("imu", false, 0.1);
+  EXPECT_FALSE(off.may_still_deliver(at(5.0), at(5.0), from_seconds(0.2)));
 }
 
 }  // namespace
