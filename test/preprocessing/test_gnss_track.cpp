@@ -43,6 +43,14 @@ GnssFix fix_at(double seconds, double east) {
 }
 GnssFix fix_at(double seconds) { return fix_at(seconds, kSpeed * seconds); }
 
+/// The default configuration after `change`.
+template <typename Change>
+PreprocessingConfig changed(const Change& change) {
+  PreprocessingConfig config;
+  change(config);
+  return config;
+}
+
 class Track : public testing::Test {
  protected:
   explicit Track(const PreprocessingConfig& config = {})
@@ -248,12 +256,7 @@ TEST_F(Track, ForgetsFixesButNotItsFrame) {
 
 class TrackWithoutGating : public Track {
  protected:
-  TrackWithoutGating() : Track(config()) {}
-  static PreprocessingConfig config() {
-    PreprocessingConfig result;
-    result.gnss_gating = false;
-    return result;
-  }
+  TrackWithoutGating() : Track(changed([](auto& config) { config.gnss_gating = false; })) {}
 };
 
 TEST_F(TrackWithoutGating, AcceptsJumpsAndIsSureOfItsDatum) {
@@ -267,12 +270,7 @@ TEST_F(TrackWithoutGating, AcceptsJumpsAndIsSureOfItsDatum) {
 
 class TrackWithOffset : public Track {
  protected:
-  TrackWithOffset() : Track(config()) {}
-  static PreprocessingConfig config() {
-    PreprocessingConfig result;
-    result.gnss_time_offset = -0.5;
-    return result;
-  }
+  TrackWithOffset() : Track(changed([](auto& config) { config.gnss_time_offset = -0.5; })) {}
 };
 
 TEST_F(TrackWithOffset, MovesTheStampsByTheConfiguredOffset) {
@@ -282,13 +280,11 @@ TEST_F(TrackWithOffset, MovesTheStampsByTheConfiguredOffset) {
 
 class TrackWithDatum : public Track {
  protected:
-  TrackWithDatum() : Track(config()) {}
-  static PreprocessingConfig config() {
-    PreprocessingConfig result;
-    result.use_datum = true;
-    result.datum = {kLatitude, kLongitude - 200.0 / metres_per_degree(), kAltitude};
-    return result;
-  }
+  TrackWithDatum()
+      : Track(changed([](auto& config) {
+          config.use_datum = true;
+          config.datum = {kLatitude, kLongitude - 200.0 / metres_per_degree(), kAltitude};
+        })) {}
 };
 
 TEST_F(TrackWithDatum, IsInTheConfiguredFrameFromTheBeginning) {

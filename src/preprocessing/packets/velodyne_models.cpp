@@ -25,8 +25,6 @@ const VelodyneModel kHdl64 = {"HDL-64E", 64, 1, 0.0, 0.0, 64, 0.002};
 const std::map<unsigned, const VelodyneModel*> kProducts = {
     {0x21, &kHdl32}, {0x22, &kVlp16}, {0x24, &kHiRes}, {0x28, &kVlp32c}};
 constexpr std::size_t kProduct = 1205;    // byte of it in a packet, by the user's manual
-constexpr std::size_t kBlock = 100;       // bytes of a block, by the user's manual
-constexpr std::size_t kBlocks = 12;       // of a packet, by the user's manual
 constexpr unsigned kThirdBlock = 0xCCFF;  // flag that only a VLS-128 has, by its manual
 
 /// Elevation and azimuth offset of each laser of a VLP-32C, degrees, by its manual.

@@ -2,10 +2,8 @@
 #include "lidar_mapping/preprocessing/velodyne_packets.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <iterator>
 #include <utility>
 
@@ -19,8 +17,6 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::size_t kBlock = 100;           // bytes of a block, by the user's manual
-constexpr std::size_t kBlocks = 12;           // of a packet, by the user's manual
 constexpr std::size_t kAzimuth = 2;           // byte of the azimuth in a block, by the manual
 constexpr std::size_t kChannels = 4;          // byte of the first range in a block, by the manual
 constexpr std::size_t kChannel = 3;           // bytes: range (two) and reflectivity, by the manual
@@ -61,11 +57,8 @@ bool is_whole(const VelodynePacket& packet) {
 }
 
 std::int64_t sensor_microseconds(const VelodynePacket& packet) {
-  std::array<unsigned char, 4> bytes;
-  std::memcpy(bytes.data(), packet.data + kTime, bytes.size());
-  std::int64_t time = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) time = 256 * time + bytes[i];
-  return time;
+  const unsigned char* const time = packet.data + kTime;
+  return number_of_two_bytes(time) + std::int64_t{65536} * number_of_two_bytes(time + 2);
 }
 
 /// Seconds from the first packet to each one by the sensor's clock; empty if that is no clock.
