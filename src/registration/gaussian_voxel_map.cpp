@@ -103,9 +103,7 @@ VoxelSums* GaussianVoxelMap::observed_side(const VoxelTable::Slot& slot,
   VoxelSums* const voxel = table_.find_or_add(slot);
   if (voxel == nullptr) return nullptr;
   if (voxel->count_at_plane == 0) {
-    for (int axis = 0; axis < 3; ++axis) {
-      voxel->normal[static_cast<std::size_t>(axis)] = view[axis];
-    }
+    voxel->normal = {view.x(), view.y(), view.z()};
     return voxel;
   }
   if (voxel->has_front == 0) {
@@ -220,9 +218,8 @@ void GaussianVoxelMap::update_plane(VoxelSums& voxel, double isolation) const {
   const Eigen::Vector3d normal = weighted_normal(gaussian_of(voxel), model_, isolation);
   const Eigen::Vector3d mean =
       Eigen::Vector3d(voxel.sum[0], voxel.sum[1], voxel.sum[2]) / static_cast<double>(voxel.count);
-  for (int axis = 0; axis < 3; ++axis) {
-    voxel.normal[static_cast<std::size_t>(axis)] = static_cast<float>(normal[axis]);
-  }
+  const Eigen::Vector3f rounded = normal.cast<float>();
+  voxel.normal = {rounded.x(), rounded.y(), rounded.z()};
   voxel.offset = static_cast<float>(normal.dot(mean));
   voxel.has_front = 0;
   if (has_side) turn_to_front(voxel, {front[0], front[1], front[2]});

@@ -20,10 +20,7 @@ constexpr float kFarAway = 1e6F;
 
 void NdtPoints::clear() {
   size_ = 0;
-  x_.clear();
-  y_.clear();
-  z_.clear();
-  s_.clear();
+  for (auto* array : {&x_, &y_, &z_, &s_}) array->clear();
   slices_.clear();
 }
 

@@ -74,9 +74,6 @@ struct PreprocessingCounters {
 /// data. The class must be called from one thread.
 class Preprocessor {
  public:
-  /// T_base_frame of a sensor's frame; empty while it is not known.
-  using ExtrinsicLookup = preprocessing::ExtrinsicLookup;
-
   /// Throws ConfigError for a configuration that contradicts itself.
   Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup);
   ~Preprocessor();
