@@ -27,7 +27,9 @@ void InputDiagnostics::motion(MotionSource source, bool has_times) {
                   "points: neither IMU nor velocity over the scan; the points keep their times and "
                   "the front end compensates");
   }
-  const std::string name = to_string(source);
+  const std::string name = source == MotionSource::kImu        ? "IMU (turning only)"
+                           : source == MotionSource::kVelocity ? "velocity"
+                                                               : "IMU and velocity";
   inform("motion " + name, "points: motion during the scan compensated by " + name);
 }
 

@@ -68,20 +68,6 @@ bool is_orientation(const Eigen::Quaterniond& q) {
 
 }  // namespace
 
-const char* to_string(MotionSource source) {
-  switch (source) {
-    case MotionSource::kNone:
-      return "nothing";
-    case MotionSource::kImu:
-      return "IMU (turning only)";
-    case MotionSource::kVelocity:
-      return "velocity";
-    case MotionSource::kImuAndVelocity:
-      return "IMU and velocity";
-  }
-  return "";
-}
-
 MotionSensors::MotionSensors(const PreprocessingConfig& config, const Extrinsics& extrinsics)
     : extrinsics_(extrinsics),
       acceleration_unit_(si_factor(config.imu_acceleration_unit)),

@@ -21,7 +21,6 @@ namespace lidar_mapping::preprocessing {
 
 /// The sensors from which the motion during a scan was computed.
 enum class MotionSource { kNone, kImu, kVelocity, kImuAndVelocity };
-const char* to_string(MotionSource source);
 
 struct MeasuredMotion {
   MotionSource source = MotionSource::kNone;
