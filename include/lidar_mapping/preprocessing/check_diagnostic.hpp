@@ -13,7 +13,9 @@ enum class Severity {
   kFault
 };
 /// "WARNING", "FAULT".
-const char* to_string(Severity severity);
+inline const char* to_string(Severity severity) {
+  return severity == Severity::kFault ? "FAULT" : "WARNING";
+}
 
 /// A problem of an input, and its remedy.
 struct CheckDiagnostic {
@@ -23,7 +25,9 @@ struct CheckDiagnostic {
 };
 
 /// "text: remedy".
-std::string sentence(const CheckDiagnostic& diagnostic);
+inline std::string sentence(const CheckDiagnostic& diagnostic) {
+  return diagnostic.text + ": " + diagnostic.remedy;
+}
 
 /// The report of an input: one line about its data, and its problems.
 struct InputReport {
