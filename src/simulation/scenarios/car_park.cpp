@@ -223,11 +223,6 @@ void add_neighbours(TriangleMesh& mesh, Random& random) {
   }
 }
 
-double time_at(const std::vector<double>& stations, double station) {
-  const auto it = std::lower_bound(stations.begin(), stations.end(), station);
-  return static_cast<double>(it - stations.begin()) * kControlStep;
-}
-
 }  // namespace
 
 Scenario make_car_park(const DriveOptions& options) {
@@ -235,8 +230,8 @@ Scenario make_car_park(const DriveOptions& options) {
   const Path path = options.reverse ? reversed(in, 0.0) : in;
   const Profile profile =
       options.reverse ? reversed_profile(make_profile(in), in) : make_profile(in);
-  RoadDrive drive{path, 3.0, path.length() - 3.0, {5.0, 1.5, 1.2}, {}};
-  const std::vector<double> stations = drive.stations();
+  const std::vector<double> stations =
+      stations_along(path, 3.0, 3.0, options.reverse, {5.0, 1.5, 1.2});
   Scenario scenario{
       {},
       vehicle_trajectory(path, stations, floor_under(path, profile), Random(options.seed, kMotion)),

@@ -75,9 +75,8 @@ Scenario make_open_road(const DriveOptions& options) {
   const Path forward = Path::rounded(corners(Random(options.seed, kPath)), 45.0).weaving(0.15, 1.0);
   const Path backward = reversed(forward, 2.0 * kLane);
   const Path& path = options.reverse ? backward : forward;
-  RoadDrive drive = drive_along(path, 2.0, 15.0, options.reverse);
-  drive.limits = {17.0, 2.4, 1.8};
-  const std::vector<double> stations = drive.stations();
+  const std::vector<double> stations =
+      stations_along(path, 2.0, 15.0, options.reverse, {17.0, 2.4, 1.8});
   Scenario scenario{{},
                     vehicle_trajectory(path, stations, ground_along(path, terrain),
                                        Random(options.seed, kMotion)),

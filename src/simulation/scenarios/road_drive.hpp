@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -10,24 +11,19 @@
 
 namespace lidar_mapping::simulation {
 
-/// A drive along a part of a path.
-struct RoadDrive {
-  Path path;
-  double begin = 0.0;  ///< First station, m.
-  double end = 0.0;
-  SpeedLimits limits;
-  std::vector<Halt> halts;
-
-  std::vector<double> stations() const {
-    return stations_over_time(path, begin, end, limits, halts);
-  }
-};
-
-/// The drive along a path without its first `begin` and its last `end` metres; of one that is
-/// driven in reverse, these are the other way round.
-inline RoadDrive drive_along(const Path& path, double begin, double end, bool reverse) {
+/// Stations over time of a drive along a path without its first `begin` and its last `end` metres;
+/// of one that is driven in reverse, these are the other way round.
+inline std::vector<double> stations_along(const Path& path, double begin, double end, bool reverse,
+                                          const SpeedLimits& limits,
+                                          const std::vector<Halt>& halts = {}) {
   if (reverse) std::swap(begin, end);
-  return {path, begin, path.length() - end, {}, {}};
+  return stations_over_time(path, begin, path.length() - end, limits, halts);
+}
+
+/// Time at which the drive reaches a station, s after its beginning.
+inline double time_at(const std::vector<double>& stations, double station) {
+  const auto it = std::lower_bound(stations.begin(), stations.end(), station);
+  return static_cast<double>(it - stations.begin()) * kControlStep;
 }
 
 /// The terrain under a path. Both must outlive the result.

@@ -87,9 +87,10 @@ Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
   if (options.reverse) std::reverse(route.begin(), route.end());
   const Path path = Path::rounded(layout.lane_corners(route, kLaneOffset), kTurnRadius)
                         .weaving(0.2, Random(day, kMotion).uniform(0.0, 6.0));
-  RoadDrive drive = drive_along(path, kBeginOfDrive, plan.end_before, options.reverse);
-  for (const double fraction : plan.halts) drive.halts.push_back({fraction * path.length(), 4.0});
-  const std::vector<double> stations = drive.stations();
+  std::vector<Halt> halts;
+  for (const double fraction : plan.halts) halts.push_back({fraction * path.length(), 4.0});
+  const std::vector<double> stations =
+      stations_along(path, kBeginOfDrive, plan.end_before, options.reverse, {}, halts);
   Scenario scenario{
       {},
       vehicle_trajectory(path, stations, ground_along(path, terrain), Random(day, kMotion)),

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
 
 #include "lidar_mapping/common/rotations.hpp"
@@ -113,27 +112,17 @@ void add_houses(TriangleMesh& mesh, const Path& path, Random& random) {
   }
 }
 
-/// Interval in which the antenna is between the portals.
-GnssOutage under_ground(const std::vector<double>& stations) {
-  const auto when = [&](double station) {
-    const auto it = std::lower_bound(stations.begin(), stations.end(), station);
-    return static_cast<double>(it - stations.begin()) * kControlStep;
-  };
-  return {when(kPortalIn), when(kPortalOut)};
-}
-
 }  // namespace
 
 Scenario make_tunnel(const DriveOptions& options) {
   const Terrain ground;
   const Path path = Path::rounded({{0.0, 0.0}, {250.0, 0.0}, {480.0, 70.0}, {630.0, 70.0}}, 320.0);
-  RoadDrive drive{path, 8.0, path.length() - 8.0, {14.0, 2.4, 1.8}, {}};
-  const std::vector<double> stations = drive.stations();
+  const std::vector<double> stations = stations_along(path, 8.0, 8.0, false, {14.0, 2.4, 1.8});
   Scenario scenario{
       {},
       vehicle_trajectory(path, stations, ground_along(path, ground), Random(options.seed, kMotion)),
       car_mounting(),
-      {under_ground(stations)}};
+      {{time_at(stations, kPortalIn), time_at(stations, kPortalOut)}}};
   Random random(options.seed, kMesh);
   TriangleMesh& mesh = scenario.world.fixed;
   add_meadow(mesh, ground, {-120.0, -130.0}, {760.0, 200.0}, Random(random.bits()));
