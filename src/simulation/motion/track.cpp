@@ -11,9 +11,8 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Rises from 0 to 1 with rates and accelerations of 0 at both ends; the highest rate is 15/8.
-constexpr double kPeakOfRate =
-    15.0 / 8.0;  ///< Largest value of its derivative, at u = 1/2, by calculus.
+/// Largest derivative of smooth_step(), at u = 1/2, by calculus.
+constexpr double kPeakOfRate = 15.0 / 8.0;
 
 /// Stations without the rest at the beginning and end.
 std::vector<double> moving_part(const std::vector<double>& stations) {

@@ -13,6 +13,7 @@
 #include "worlds/buildings.hpp"
 #include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
+#include "worlds/parked_cars.hpp"
 #include "worlds/road_strip.hpp"
 #include "worlds/street_furniture.hpp"
 #include "worlds/vehicles.hpp"
@@ -169,16 +170,6 @@ void park_cars(TriangleMesh& mesh, double z, Random& random) {
   }
 }
 
-/// Draws the numbers of the seed's cars on every day, so that all but the cars is the same.
-void add_parked_cars(TriangleMesh& mesh, double z, Random& random, std::uint64_t day) {
-  const Random before = random;
-  TriangleMesh unused;
-  park_cars(day == 0 ? mesh : unused, z, random);
-  if (day == 0) return;
-  Random of_day(Random(before).bits(), day);
-  park_cars(mesh, z, of_day);
-}
-
 void add_building(TriangleMesh& mesh, Random& random, std::uint64_t day) {
   add_plate(mesh, 0.0, 0.0, kLength, kWidth, 0.02, kConcrete);
   for (int storey = 0; storey < kStoreys; ++storey) {
@@ -191,7 +182,8 @@ void add_building(TriangleMesh& mesh, Random& random, std::uint64_t day) {
     }
     add_parapet(mesh, z, storey == 0);
     add_towers(mesh, z, is_top ? 2.8 : kStorey - kSlab);
-    add_parked_cars(mesh, z, random, day);
+    add_parked_cars(mesh, random, day,
+                    [z](TriangleMesh& to, Random& own) { park_cars(to, z, own); });
   }
 }
 

@@ -38,7 +38,7 @@ Points round_corners(const DriveOptions& options) {
   return corners;
 }
 
-/// Points half a metre apart.
+/// Points on the track, a quarter of a second apart.
 Points path_of(const Track& track) {
   Points path;
   for (std::size_t i = 0; i < track.states().size(); i += 50) {
@@ -49,11 +49,9 @@ Points path_of(const Track& track) {
 
 Scenario forest_scenario(const DriveOptions& options, const Track& track, double clear,
                          SmoothTrajectory trajectory, const SensorMounting& mounting) {
-  Scenario scenario{{}, std::move(trajectory), mounting, {}};
-  scenario.imu_period = kCarrierImuPeriod;
-  scenario.near_objects_occlude = true;
-  Random random(options.seed, kMesh);
-  add_forest(scenario.world.fixed, forest_floor(options), path_of(track), clear, random);
+  Scenario scenario = carrier_scenario(std::move(trajectory), mounting, {});
+  add_forest(scenario.world.fixed, forest_floor(options), path_of(track), clear,
+             Random(options.seed, kMesh));
   return scenario;
 }
 

@@ -21,14 +21,10 @@ constexpr double kL = kOfficeLength, kW = kOfficeWidth;
 Scenario office_scenario(const DriveOptions& options, const Track& track, const Carrier& carrier,
                          const SensorMounting& mounting) {
   const std::vector<Ground> floor(track.states().size());
-  Scenario scenario{{},
-                    carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
-                    mounting,
-                    {{0.0, track.seconds()}}};
-  scenario.imu_period = kCarrierImuPeriod;
-  scenario.near_objects_occlude = true;
-  Random random(options.seed, kMesh);
-  add_office(scenario.world.fixed, random);
+  Scenario scenario =
+      carrier_scenario(carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
+                       mounting, {{0.0, track.seconds()}});
+  add_office(scenario.world.fixed, Random(options.seed, kMesh));
   return scenario;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/simulation/drive.hpp"
@@ -26,6 +27,12 @@ struct Scenario {
   /// ignore such objects, so that their scans stay the same.
   bool near_objects_occlude = false;
 };
+
+/// The scenario of a carrier other than a car or `walk`, still without a world.
+inline Scenario carrier_scenario(SmoothTrajectory trajectory, const SensorMounting& mounting,
+                                 std::vector<GnssOutage> covered) {
+  return {{}, std::move(trajectory), mounting, std::move(covered), kCarrierImuPeriod, true};
+}
 
 /// Seed of everything that differs between passes.
 inline std::uint64_t day_seed(const DriveOptions& options, std::uint64_t seed) {

@@ -30,14 +30,10 @@ constexpr double kStoreyDoor = 1.42;
 
 Scenario building_scenario(const DriveOptions& options, const Track& track,
                            const std::vector<Ground>& floor, const Carrier& carrier) {
-  Scenario scenario{{},
-                    carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
-                    hand_held_mounting(),
-                    {{0.0, track.seconds()}}};
-  scenario.imu_period = kCarrierImuPeriod;
-  scenario.near_objects_occlude = true;
-  Random random(options.seed, kMesh);
-  add_stair_building(scenario.world.fixed, random);
+  Scenario scenario =
+      carrier_scenario(carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
+                       hand_held_mounting(), {{0.0, track.seconds()}});
+  add_stair_building(scenario.world.fixed, Random(options.seed, kMesh));
   return scenario;
 }
 

@@ -108,8 +108,7 @@ Scenario make_walk(const DriveOptions& options) {
                     walked(path, stations, Random(options.seed, kMotion)),
                     hand_held_mounting(),
                     {{0.0, static_cast<double>(stations.size()) * kControlStep}}};
-  Random random(options.seed, kMesh);
-  add_office(scenario.world.fixed, random);
+  add_office(scenario.world.fixed, Random(options.seed, kMesh));
   if (options.movers) add_guide(scenario.world, stations, path, Random(options.seed, kPeople));
   return scenario;
 }

@@ -82,7 +82,7 @@ void add_log(TriangleMesh& mesh, const Terrain& terrain, const Eigen::Vector2d& 
 }  // namespace
 
 void add_forest(TriangleMesh& mesh, const Terrain& terrain,
-                const std::vector<Eigen::Vector2d>& path, double clear, Random& random) {
+                const std::vector<Eigen::Vector2d>& path, double clear, Random random) {
   const Area area = around(path);
   add_ground(mesh, terrain, area.low, area.high, 1.5, kSoil);
   for (int i = static_cast<int>(area.size() / kAreaPerTree); i > 0; --i) {

@@ -13,6 +13,6 @@ namespace lidar_mapping::simulation {
 /// Adds trunks, undergrowth, boulders and fallen logs on the terrain around a path; nothing is
 /// nearer to the path than `clear` metres.
 void add_forest(TriangleMesh& mesh, const Terrain& terrain,
-                const std::vector<Eigen::Vector2d>& path, double clear, Random& random);
+                const std::vector<Eigen::Vector2d>& path, double clear, Random random);
 
 }  // namespace lidar_mapping::simulation

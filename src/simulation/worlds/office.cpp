@@ -86,7 +86,7 @@ void add_corridor_furniture(TriangleMesh& mesh, Random& random) {
 
 }  // namespace
 
-void add_office(TriangleMesh& mesh, Random& random) {
+void add_office(TriangleMesh& mesh, Random random) {
   const double l = kOfficeLength, w = kOfficeWidth, c = kOfficeCorridor, out = c + kOfficeRoomDepth;
   for (const double z : {0.0, kCeiling}) {
     add_quad(mesh, {-out, -out, z}, {l + out, -out, z}, {l + out, w + out, z}, {-out, w + out, z},

@@ -15,6 +15,6 @@ constexpr double kOfficeCorridor = 1.2;   ///< Half width of the corridors, m.
 constexpr double kOfficeRoomDepth = 6.0;  ///< From the corridor to the outer wall, m.
 
 /// Adds walls, rooms and furniture of the floor at z = 0.
-void add_office(TriangleMesh& mesh, Random& random);
+void add_office(TriangleMesh& mesh, Random random);
 
 }  // namespace lidar_mapping::simulation

@@ -102,7 +102,7 @@ void add_shaft(TriangleMesh& mesh) {
 
 }  // namespace
 
-void add_stair_building(TriangleMesh& mesh, Random& random) {
+void add_stair_building(TriangleMesh& mesh, Random random) {
   for (int storey = 0; storey <= kStairStoreys; ++storey) {
     const double z = storey * kStairStorey;
     const bool is_roof = storey == kStairStoreys;

@@ -24,7 +24,7 @@ constexpr double kLiftX = -8.0;         ///< x of the middle of the lift's door.
 constexpr double kLiftY = 2.65;         ///< y of the middle of the lift's car.
 
 /// Adds walls, slabs, stairs and the furniture of the corridors.
-void add_stair_building(TriangleMesh& mesh, Random& random);
+void add_stair_building(TriangleMesh& mesh, Random random);
 /// Ground under each state of a track that begins in the corridor of storey 0.
 std::vector<Ground> floor_in_stair_building(const Track& track);
 

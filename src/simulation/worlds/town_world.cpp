@@ -11,6 +11,7 @@
 #include "worlds/buildings.hpp"
 #include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
+#include "worlds/parked_cars.hpp"
 #include "worlds/street_furniture.hpp"
 #include "worlds/vehicles.hpp"
 
@@ -48,7 +49,8 @@ class BlockBuilder {
       const Frontage side = frontage(corners[i], corners[(i + 1) % 4]);
       add_houses(side);
       add_furniture(side);
-      add_parked_cars(side);
+      add_parked_cars(mesh_, random_, parking_day_,
+                      [&](TriangleMesh& to, Random& own) { park_cars(to, side, own); });
     }
     for (int i = random_.integer(1, 5); i > 0; --i) add_back_yard_tree(corners);
   }
@@ -149,16 +151,6 @@ class BlockBuilder {
         add_street_box(mesh_, on_pavement(side.at(s, 1.9)), side.yaw, split());
       }
     }
-  }
-
-  /// Draws the numbers of the world's own cars on every day, so that all but the cars is the same.
-  void add_parked_cars(const Frontage& side) {
-    const Random before = random_;
-    TriangleMesh unused;
-    park_cars(parking_day_ == 0 ? mesh_ : unused, side, random_);
-    if (parking_day_ == 0) return;
-    Random of_day(Random(before).bits(), parking_day_);
-    park_cars(mesh_, side, of_day);
   }
 
   void park_cars(TriangleMesh& mesh, const Frontage& side, Random& random) const {
