@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 
@@ -96,9 +97,8 @@ Scenario make_scenario(const DriveOptions& options) {
     check_meaning(drive, options);
     return drive.make(options);
   }
-  std::string names;
-  for (const std::string& name : drive_names()) names += " " + name;
-  throw ConfigError("drive: '" + options.drive + "' is unknown; use one of" + names);
+  throw ConfigError("drive: '" + options.drive + "' is unknown; use one of " +
+                    joined(drive_names(), " "));
 }
 
 }  // namespace

@@ -4,19 +4,22 @@
 #include <cstdio>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::simulation {
 
-/// Splits a fault into its name and the value behind the equals sign.
-inline std::pair<std::string, std::optional<std::string>> split_fault(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos) return {text, std::nullopt};
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
+/// A row of a table of faults.
+template <typename Kind>
+struct FaultDescription {
+  const char* name;
+  Kind kind;
+  const char* format;  ///< How it is written, with the range of its value.
+  double min;          ///< Least value.
+  double max;          ///< Largest value.
+};
 
 /// Reads all numbers of a text of this sscanf format, which has to end with %n; false if the text
 /// has another form or any rest.
@@ -43,21 +46,24 @@ std::vector<std::string> fault_formats(const Descriptions& descriptions) {
   return formats;
 }
 
-/// Parses a fault of a table (with `name` and `form` of each): `default_fault` creates it without a
-/// value, and `read_value` reads the value into it. Throws ConfigError for any other text.
-template <typename Descriptions, typename MakeDefault, typename ReadValue>
-auto parse_fault(const std::string& text, const Descriptions& descriptions,
-                 const MakeDefault& default_fault, const ReadValue& read_value) {
-  const auto [name, value] = split_fault(text);
+/// Parses a fault of a table; `read_value` reads the text behind the equals sign, if there is one,
+/// into a fault of this kind. Throws ConfigError for any other text.
+template <typename Fault, typename Descriptions, typename ReadValue>
+Fault parse_fault(const std::string& text, const Descriptions& descriptions,
+                  const ReadValue& read_value) {
+  const std::size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  std::optional<std::string> value;
+  if (equals != std::string::npos) value = text.substr(equals + 1);
   for (const auto& known : descriptions) {
     if (name != known.name) continue;
-    auto fault = default_fault(known);
+    Fault fault;
+    fault.kind = known.kind;
     if (read_value(known, value, fault)) return fault;
     throw ConfigError("fault: '" + text + "' is not of the form " + known.format);
   }
-  std::string names;
-  for (const std::string& known : fault_names(descriptions)) names += " " + known;
-  throw ConfigError("fault: '" + name + "' is unknown; use one of" + names);
+  throw ConfigError("fault: '" + name + "' is unknown; use one of " +
+                    joined(fault_names(descriptions), " "));
 }
 
 }  // namespace lidar_mapping::simulation

@@ -22,13 +22,7 @@ using Samples = std::vector<ImuSample>;
 constexpr double kNoLimit = 1e9;            ///< s; chosen: later than any drive ends
 constexpr double kDefaultGapPeriod = 20.0;  ///< s; chosen: several gaps per drive
 
-struct Description {
-  const char* name;
-  Kind kind;
-  const char* format;
-  double min;
-  double max;
-};
+using Description = FaultDescription<Kind>;
 constexpr Description kDescriptions[] = {
     {"imu_vibration", Kind::kVibration, "imu_vibration=M_PER_S2 from 0.01 to 200", 0.01, 200.0},
     {"imu_scale", Kind::kScale, "imu_scale=FRACTION from -0.9 to 9", -0.9, 9.0},
@@ -62,6 +56,7 @@ bool read_numbers(const Description& known, const std::string& numbers, ImuFault
 bool read(const Description& known, const std::optional<std::string>& value, ImuFault& fault) {
   constexpr std::array<const char*, 6> kAxes = {"gx", "gy", "gz", "ax", "ay", "az"};
   constexpr std::array<const char*, 2> kUnits = {"g", "degrees"};
+  fault.other = known.kind == Kind::kGap ? kDefaultGapPeriod : kNoLimit;
   if (known.kind == Kind::kFrame) return !value;
   if (!value) return false;
   if (known.kind == Kind::kAxis) return find_word(kAxes, *value, fault.amount);
@@ -143,10 +138,7 @@ void make_gaps(Samples& samples, const ImuFault& fault, Stamp begin) {
 }  // namespace
 
 ImuFault parse_imu_fault(const std::string& text) {
-  const auto default_fault = [](const Description& known) {
-    return ImuFault{known.kind, 0.0, known.kind == Kind::kGap ? kDefaultGapPeriod : kNoLimit};
-  };
-  return parse_fault(text, kDescriptions, default_fault, read);
+  return parse_fault<ImuFault>(text, kDescriptions, read);
 }
 
 std::vector<std::string> imu_fault_names() { return fault_names(kDescriptions); }

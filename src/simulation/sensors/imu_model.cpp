@@ -10,11 +10,12 @@ namespace lidar_mapping::simulation {
 namespace {
 
 /// Without errors, for tests.
-ImuModel ideal() { return {"ideal", {}, {}, true, 0.0}; }
+ImuModel ideal() { return {{}, {}, 0.0}; }
 
 /// A calibrated unit with its own attitude filter.
 ImuModel good() {
-  ImuModel model{"good", {}, {}, true, kOrientationNoise};
+  ImuModel model;
+  model.orientation_noise = kOrientationNoise;
   model.gyro.noise = kGyroNoise;
   model.gyro.bias = kGyroBias;
   model.accelerometer.noise = kAccelerometerNoise;
@@ -25,7 +26,7 @@ ImuModel good() {
 /// As in telephones and inside LiDARs, uncalibrated. Values of their data sheets: 0.015 degrees/s
 /// and 230 micro-g per square root of Hz, biases of 1 degree/s and 30 milli-g.
 ImuModel consumer() {
-  ImuModel model{"consumer", {}, {}, false, 0.0};
+  ImuModel model;
   model.gyro.noise_density = 2.6e-4;
   model.gyro.bias = 0.017;
   model.gyro.bias_walk = 1e-4;

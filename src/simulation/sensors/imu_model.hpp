@@ -2,8 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
-#include <vector>
 
 namespace lidar_mapping::simulation {
 
@@ -21,11 +21,10 @@ struct InertialErrors {
 
 /// Errors of an IMU.
 struct ImuModel {
-  std::string name;
   InertialErrors gyro;
   InertialErrors accelerometer;
-  bool has_orientation = true;
-  double orientation_noise = 0.0;  ///< Standard deviation of the orientation, rad.
+  /// Standard deviation of the orientation, rad; none: it gives no orientation.
+  std::optional<double> orientation_noise;
 };
 
 /// Model of this name, one of imu_names(). Throws ConfigError for any other name.

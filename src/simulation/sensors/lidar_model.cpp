@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::simulation {
@@ -54,28 +55,21 @@ LidarModel avia() { return {"avia", {}, 4000, 1.0, 150.0, ScanPattern::kRosette,
 /// RoboSense M1: 750,000 points a second, 5 at a time.
 LidarModel rs_m1() { return {"rs_m1", {}, 15000, 0.5, 150.0, ScanPattern::kRaster, 5}; }
 
-struct NamedLidar {
-  const char* name;
-  LidarModel (*make)();
-};
-constexpr NamedLidar kLidars[] = {{"hdl64", hdl64}, {"vlp16", vlp16},   {"os1_64", os1_64},
-                                  {"os0", os0},     {"mid360", mid360}, {"avia", avia},
-                                  {"rs_m1", rs_m1}};
+constexpr LidarModel (*kLidars[])() = {hdl64, vlp16, os1_64, os0, mid360, avia, rs_m1};
 
 }  // namespace
 
 LidarModel lidar_model(const std::string& name) {
-  for (const NamedLidar& lidar : kLidars) {
-    if (name == lidar.name) return lidar.make();
+  for (const auto make : kLidars) {
+    LidarModel model = make();
+    if (model.name == name) return model;
   }
-  std::string names;
-  for (const std::string& known : lidar_names()) names += " " + known;
-  throw ConfigError("lidar: '" + name + "' is unknown; use one of" + names);
+  throw ConfigError("lidar: '" + name + "' is unknown; use one of " + joined(lidar_names(), " "));
 }
 
 std::vector<std::string> lidar_names() {
   std::vector<std::string> names;
-  for (const NamedLidar& lidar : kLidars) names.emplace_back(lidar.name);
+  for (const auto make : kLidars) names.push_back(make().name);
   return names;
 }
 

@@ -95,9 +95,9 @@ std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose
     sample.stamp = stamp;
     sample.angular_velocity = gyro.measured(state.angular_velocity_base, random);
     sample.linear_acceleration = accelerometer.measured(force, random);
-    if (model.has_orientation) {
+    if (model.orientation_noise) {
       sample.orientation =
-          (R_map_imu * exp_so3(normal3(random, model.orientation_noise))).normalized();
+          (R_map_imu * exp_so3(normal3(random, *model.orientation_noise))).normalized();
     }
     samples.push_back(sample);
   }

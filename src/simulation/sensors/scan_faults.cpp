@@ -43,13 +43,7 @@ constexpr float kTruckIntensity = 90.0F;
 constexpr double kMaxJitter = 0.45;  // of a turn; chosen below a half: stamps stay in their order
 constexpr double kDefaultFrozenPeriod = 10.0;  // s; chosen: several of them per drive
 
-struct Description {
-  const char* name;
-  Kind kind;
-  const char* format;
-  double min;
-  double max;
-};
+using Description = FaultDescription<Kind>;
 constexpr Description kDescriptions[] = {
     {"outliers", Kind::kOutliers,
      "outliers=FRACTION with a fraction of the points from 0.001 to 0.9", 0.001, 0.9},
@@ -107,6 +101,7 @@ void add_rain(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& 
 }
 
 bool read(const Description& known, const std::optional<std::string>& value, ScanFault& fault) {
+  fault.every_s = kDefaultFrozenPeriod;
   if (known.kind == Kind::kWall) return !value;
   if (!value) return false;
   if (known.kind == Kind::kTimes) {
@@ -147,10 +142,7 @@ void keep_random_subset(SimulatedScan& scan, std::size_t max, Random random) {
 }  // namespace
 
 ScanFault parse_scan_fault(const std::string& text) {
-  const auto default_fault = [](const Description& known) {
-    return ScanFault{known.kind, 0.0, kDefaultFrozenPeriod};
-  };
-  return parse_fault(text, kDescriptions, default_fault, read);
+  return parse_fault<ScanFault>(text, kDescriptions, read);
 }
 
 std::vector<std::string> scan_fault_formats() { return fault_formats(kDescriptions); }
