@@ -34,6 +34,10 @@ constexpr Stamp kDay = 86'400'000'000'000;  ///< ns
 
 constexpr double kMinDuration = 1.0;  ///< s; chosen: ten scans
 
+// Chosen: longer than any drive, and a hundred years. Stamps in ns of much more would overflow.
+constexpr double kMaxStart = 1e6;  ///< s
+constexpr std::uint64_t kMaxPass = 36'500;
+
 struct NamedDrive {
   const char* name;
   Scenario (*make)(const DriveOptions&);
@@ -85,7 +89,10 @@ Scenario make_scenario(const DriveOptions& options) {
       "scan_rate " + std::to_string(options.scan_rate) + " is outside 1 to 50 turns per second");
   require(!options.duration || *options.duration >= kMinDuration,
           "duration is shorter than 1 s; ask for more");
-  require(options.start >= 0.0, "start is negative; use 0 or more seconds");
+  require(options.start >= 0.0 && options.start <= kMaxStart,
+          "start " + std::to_string(options.start) + " is outside 0 to 1000000 seconds");
+  require(options.pass <= kMaxPass,
+          "pass " + std::to_string(options.pass) + " is not one of 0 to 36500");
   require(options.rounds >= 1, "rounds " + std::to_string(options.rounds) + "; use 1 or more");
   require(options.range_noise >= 0.0, "range_noise is negative; use 0 or more metres");
   require(
@@ -117,10 +124,11 @@ class Drive::Impl {
         faults_(options.scan_faults, noise_seed(kScanFaults)) {
     scenario_.trajectory.delay(static_cast<Stamp>(options.pass) * kDay);
     if (T_base_lidar != nullptr) scenario_.mounting.T_base_lidar = *T_base_lidar;
-    const Stamp last = scenario_.trajectory.end();
-    const Stamp cut =
-        options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;
-    end_ = std::min(cut, last);
+    end_ = scenario_.trajectory.end();
+    // Compared in seconds: a duration may be longer than a stamp can hold.
+    if (options.duration && *options.duration < to_seconds(end_ - scenario_.trajectory.begin())) {
+      end_ = scenario_.trajectory.begin() + from_seconds(*options.duration);
+    }
     require(to_seconds(end_ - begin()) >= kMinDuration,
             "start " + std::to_string(options.start) +
                 " s leaves less than 1 s of a drive that ends at " +

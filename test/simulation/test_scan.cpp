@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -149,22 +150,30 @@ TEST(Scan, BeamsHaveElevationsOfTheModel) {
 }
 
 TEST(DriveOptions, OutOfRangeAreRejected) {
+  const std::vector<std::function<void(DriveOptions&)>> mistakes = {
+      [](DriveOptions& options) { options.drive = "moon"; },
+      [](DriveOptions& options) { options.scan_rate = 0.0; },
+      [](DriveOptions& options) { options.duration = 0.0; },
+      [](DriveOptions& options) { options.start = -1.0; },
+      [](DriveOptions& options) { options.start = 1e10; },
+      [](DriveOptions& options) { options.start = std::nan(""); },
+      [](DriveOptions& options) { options.pass = 1'000'000; },
+      [](DriveOptions& options) { options.rounds = 0; },
+      [](DriveOptions& options) { options.range_noise = -0.1; }};
+  for (std::size_t i = 0; i < mistakes.size(); ++i) {
+    DriveOptions options = small_options();
+    mistakes[i](options);
+    EXPECT_THROW(Drive{options}, ConfigError) << i;
+  }
+}
+
+// 1e300 s are more than a stamp can hold.
+TEST(DriveOptions, OfALongDurationLastUntilTheEndOfTheDrive) {
   DriveOptions options = small_options();
-  options.drive = "moon";
-  EXPECT_THROW(Drive{options}, ConfigError);
-  options = small_options();
-  options.scan_rate = 0.0;
-  EXPECT_THROW(Drive{options}, ConfigError);
-  options = small_options();
-  options.duration = 0.0;
-  EXPECT_THROW(Drive{options}, ConfigError);
-  options = small_options();
-  options.drive = "city";
-  options.rounds = 0;
-  EXPECT_THROW(Drive{options}, ConfigError);
-  options = small_options();
-  options.range_noise = -0.1;
-  EXPECT_THROW(Drive{options}, ConfigError);
+  options.drive = "tunnel";
+  const std::size_t all = Drive(options).scan_count();
+  options.duration = 1e300;
+  EXPECT_EQ(Drive(options).scan_count(), all);
 }
 
 }  // namespace
