@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/evaluation/association.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Geometry>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -53,6 +55,13 @@ Eigen::Matrix4d umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   return Eigen::umeyama(estimate, truth, with_scale);
 }
 
+/// Whether the positions are not all the same.
+bool moves(const std::vector<PosePair>& pairs, Pose PosePair::*which) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const PosePair& pair) {
+    return (pair.*which).translation != (pairs.front().*which).translation;
+  });
+}
+
 }  // namespace
 
 Pose rigid_alignment(const std::vector<PosePair>& pairs) {
@@ -61,6 +70,9 @@ Pose rigid_alignment(const std::vector<PosePair>& pairs) {
 
 SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs) {
   Eigen::Matrix4d matrix = umeyama(pairs, true);
+  if (!moves(pairs, &PosePair::truth) || !moves(pairs, &PosePair::estimate)) {
+    throw InputError("a scale needs a truth and an estimate that move");
+  }
   const double scale = matrix.topLeftCorner<3, 3>().col(0).norm();
   matrix.topLeftCorner<3, 3>() /= scale;
   return {Pose::from_matrix(matrix), scale};

@@ -15,11 +15,6 @@ constexpr int kIterations = 30;
 /// Chosen: 2 degrees of scatter, with which an error of 1 cm in the poses is one of 0.3 m.
 constexpr double kLeastTurning = 1e-3;
 
-std::vector<PosePair> with_lever_arm(const std::vector<PosePair>& pairs,
-                                     const Eigen::Vector3d& lever_arm) {
-  return moved_on_vehicle(pairs, {Eigen::Quaterniond::Identity(), lever_arm});
-}
-
 /// The mean of R_i^T (t_i - p_i).
 Eigen::Vector3d mean_offset(const std::vector<PosePair>& pairs) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -66,7 +61,8 @@ std::optional<Eigen::Vector3d> estimated_lever_arm(const std::vector<PosePair>& 
   if (!align) return mean_offset(pairs);
   Eigen::Vector3d lever_arm = Eigen::Vector3d::Zero();
   for (int i = 0; i < kIterations; ++i) {
-    const Pose motion = rigid_alignment(with_lever_arm(pairs, lever_arm));
+    const Pose motion =
+        rigid_alignment(moved_on_vehicle(pairs, {Eigen::Quaterniond::Identity(), lever_arm}));
     lever_arm = least_varying_offset(aligned(pairs, motion));
   }
   return lever_arm;

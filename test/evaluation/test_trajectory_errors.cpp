@@ -69,6 +69,21 @@ TEST(AbsolutePoseError, VanishesAfterAlignment) {
   EXPECT_LT(absolute_pose_error(fitted).rotation_deg.max, 1e-6);
 }
 
+TEST(SimilarityAlignment, FindsTheScale) {
+  Trajectory longer = bent();
+  for (StampedPose& entry : longer.poses) entry.pose.translation *= 1.25;
+  const SimilarityAlignment found = similarity_alignment(associate(bent(), longer));
+  EXPECT_NEAR(found.scale, 0.8, 1e-9);
+  EXPECT_LT(found.T_truth_estimate.translation.norm(), 1e-9);
+}
+
+TEST(SimilarityAlignment, NeedsTwoTrajectoriesThatMove) {
+  Trajectory still = bent();
+  for (StampedPose& entry : still.poses) entry.pose.translation = {30.1, -2.7, 0.3};
+  EXPECT_THROW(similarity_alignment(associate(bent(), still)), InputError);
+  EXPECT_THROW(similarity_alignment(associate(still, bent())), InputError);
+}
+
 // Every step is 1 % too long: 1 cm per metre, 10 cm per ten metres, 1 % of each segment.
 TEST(RelativeErrors, OfAScaledTrack) {
   Trajectory longer = straight(301);

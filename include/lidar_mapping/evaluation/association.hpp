@@ -30,7 +30,8 @@ struct SimilarityAlignment {
   Pose T_truth_estimate;  ///< of the scaled estimate
   double scale = 1.0;     ///< factor of the estimated positions
 };
-/// As rigid_alignment(), with a scale (Umeyama 1991). Throws InputError for less than three pairs.
+/// As rigid_alignment(), with a scale (Umeyama 1991). Throws InputError for less than three pairs,
+/// and if all positions of one trajectory are the same.
 SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs);
 
 /// The pairs with the estimated positions multiplied by `scale`.
