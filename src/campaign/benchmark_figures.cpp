@@ -25,12 +25,6 @@ double mean_of(const std::vector<double>& values) {
                               static_cast<double>(values.size());
 }
 
-std::size_t count_of(const std::vector<ScanRecord>& records, TrackingState state) {
-  return static_cast<std::size_t>(
-      std::count_if(records.begin(), records.end(),
-                    [=](const ScanRecord& record) { return record.status.state == state; }));
-}
-
 /// Mean over all scans, also over those that did without the step.
 json::Json step_times(const std::vector<ScanRecord>& records) {
   json::Json steps = json::Json::object();
@@ -70,10 +64,11 @@ json::Json figures_of(const std::vector<ScanRecord>& records) {
     wall.push_back(record.wall_ms);
     cpu.push_back(record.cpu_ms);
   }
-  std::sort(wall.begin(), wall.end());
-  std::sort(cpu.begin(), cpu.end());
   const auto flagged = [&](auto flag) {
     return std::count_if(records.begin(), records.end(), flag);
+  };
+  const auto in_state = [&](TrackingState state) {
+    return flagged([=](const ScanRecord& r) { return r.status.state == state; });
   };
   return {{"scans", records.size()},
           {"mean_ms", mean_of(wall)},
@@ -86,9 +81,9 @@ json::Json figures_of(const std::vector<ScanRecord>& records) {
           {"cpu_max_ms", quantile(cpu, 1.0)},
           {"step_ms", step_times(records)},
           {"key_frames", flagged([](const ScanRecord& r) { return r.key_frame; })},
-          {"degenerate", count_of(records, TrackingState::kDegenerate)},
-          {"degraded", count_of(records, TrackingState::kDegraded)},
-          {"lost", count_of(records, TrackingState::kLost)},
+          {"degenerate", in_state(TrackingState::kDegenerate)},
+          {"degraded", in_state(TrackingState::kDegraded)},
+          {"lost", in_state(TrackingState::kLost)},
           {"rescued", flagged([](const ScanRecord& r) { return r.status.rescued; })},
           {"repeated", flagged([](const ScanRecord& r) { return r.status.repeated; })},
           {"elevation_shift_deg",
@@ -113,9 +108,9 @@ json::Json steps_of(const std::vector<evaluation::PosePair>& pairs,
               records[i].segment != segment);
     segment = records[i].segment;
   }
-  return {{"wrong_steps", steps.wrong()},
-          {"silent_steps", steps.silent()},
-          {"false_alarms", steps.false_alarms()}};
+  return {{"wrong_steps", steps.counts().wrong},
+          {"silent_steps", steps.counts().silent},
+          {"false_alarms", steps.counts().false_alarms}};
 }
 
 std::string to_csv(const std::vector<ScanRecord>& records) {

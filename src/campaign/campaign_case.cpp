@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 namespace lidar_mapping::campaign {
@@ -37,11 +38,10 @@ std::string text_of(double value) {
 }
 
 void check_imu(const std::string& value) {
-  const std::vector<std::string> names = simulation::imu_names();
-  if (value == "none" || std::find(names.begin(), names.end(), value) != names.end()) return;
-  std::string all = "none";
-  for (const std::string& name : names) all += " " + name;
-  throw ConfigError("case: imu=" + value + "; use one of " + all);
+  std::vector<std::string> names = simulation::imu_names();
+  names.insert(names.begin(), "none");
+  if (std::find(names.begin(), names.end(), value) != names.end()) return;
+  throw ConfigError("case: imu=" + value + "; use one of " + joined(names, " "));
 }
 
 void set(CampaignCase& result, const std::string& key, const std::string& value) {

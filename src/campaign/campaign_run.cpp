@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "campaign_run.hpp"
 
-#include <algorithm>
 #include <utility>
 
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
@@ -60,19 +61,6 @@ std::pair<Scan, front_end::MotionPrior> input_at(const simulation::Drive& drive,
   return {{scan.stamp, std::move(scan.cloud)}, {}};
 }
 
-void report(const StepChecker& steps, CampaignFigures& figures) {
-  figures.silent = steps.silent();
-  figures.wrong = steps.wrong();
-  figures.false_alarms = steps.false_alarms();
-  figures.largest_error = steps.largest_error();
-  figures.largest_error_deg = steps.largest_error_deg();
-}
-
-void report(const MotionErrors& errors, CampaignFigures& figures) {
-  figures.nees_steps = errors.steps().mean();
-  figures.nees_edges = errors.edges().mean();
-}
-
 /// Errors of the whole trajectory.
 void report(const std::vector<evaluation::PosePair>& pairs, CampaignFigures& figures) {
   figures.path_length = evaluation::travelled_distances(pairs).back();
@@ -87,6 +75,11 @@ void report(const std::vector<evaluation::PosePair>& pairs, CampaignFigures& fig
 CampaignFigures run_case(const CampaignCase& c, double duration,
                          std::vector<CheckedStep>* checked) {
   const simulation::Drive drive(drive_options(c, duration));
+  // An alignment with the truth needs three poses.
+  if (drive.scan_count() <= 2 * c.every) {
+    throw ConfigError("case " + c.name + ": there are less than 3 scans in " +
+                      formatted("%g s", duration) + "; ask for a longer duration");
+  }
   front_end::FrontEnd front_end(make_config(c));
   front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   CampaignFigures figures;
@@ -113,9 +106,10 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
     if (!result.provisional) errors.add(result, T_map_base);
   }
   finalize(front_end.finalize(), pairs, errors);
-  figures.cpu_ms /= static_cast<double>(std::max<std::size_t>(1, figures.scans));
-  report(steps, figures);
-  report(errors, figures);
+  figures.cpu_ms /= static_cast<double>(figures.scans);
+  static_cast<StepCounts&>(figures) = steps.counts();
+  figures.nees_steps = errors.steps().mean();
+  figures.nees_edges = errors.edges().mean();
   report(pairs, figures);
   return figures;
 }

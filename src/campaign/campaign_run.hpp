@@ -11,18 +11,13 @@
 namespace lidar_mapping::campaign {
 
 /// What the front end made of one drive.
-struct CampaignFigures {
+struct CampaignFigures : StepCounts {
   std::size_t scans = 0;
   std::optional<double> drift_percent;  ///< none where the drive is too short
-  std::size_t silent = 0;               ///< steps that are wrong though called tracking
-  std::size_t wrong = 0;                ///< steps that are wrong, whatever they are called
-  std::size_t false_alarms = 0;         ///< steps that are not wrong, but called doubtful or worse
   std::size_t lost = 0;
   std::size_t degraded = 0;
   std::size_t doubtful = 0;
   std::size_t degenerate = 0;
-  double largest_error = 0.0;      ///< m, of a step that is called tracking
-  double largest_error_deg = 0.0;  ///< likewise
   /// Squared error of the probability that a step is right, summed over `steps` steps without lost
   /// ones.
   double squared_error = 0.0;
@@ -37,7 +32,7 @@ struct CampaignFigures {
 };
 
 /// Simulates the case and runs the front end over `duration` seconds of it; every step goes into
-/// `steps` where that is given. Throws ConfigError.
+/// `steps` where that is given. Throws ConfigError, also if these are less than three scans.
 CampaignFigures run_case(const CampaignCase& campaign_case, double duration,
                          std::vector<CheckedStep>* steps = nullptr);
 

@@ -31,13 +31,13 @@ std::optional<StepError> StepChecker::add(const Pose& T_map_base, const Pose& T_
 }
 
 void StepChecker::count(const StepError& error, TrackingState state) {
-  wrong_ += error.is_wrong() ? 1 : 0;
+  counts_.wrong += error.is_wrong() ? 1 : 0;
   const bool warned = state != TrackingState::kTracking && state != TrackingState::kDegenerate;
-  false_alarms_ += !error.is_wrong() && warned ? 1 : 0;
+  counts_.false_alarms += !error.is_wrong() && warned ? 1 : 0;
   if (state != TrackingState::kTracking) return;
-  silent_ += error.is_wrong() ? 1 : 0;
-  largest_error_ = std::max(largest_error_, error.metres);
-  largest_error_deg_ = std::max(largest_error_deg_, error.degrees);
+  counts_.silent += error.is_wrong() ? 1 : 0;
+  counts_.largest_error = std::max(counts_.largest_error, error.metres);
+  counts_.largest_error_deg = std::max(counts_.largest_error_deg, error.degrees);
 }
 
 }  // namespace lidar_mapping::campaign

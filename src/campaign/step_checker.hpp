@@ -32,6 +32,15 @@ struct CheckedStep {
   bool is_right() const;
 };
 
+/// How often a status and the truth about a step agree or not.
+struct StepCounts {
+  std::size_t silent = 0;          ///< steps that are wrong though called tracking
+  std::size_t wrong = 0;           ///< steps that are wrong, whatever they are called
+  std::size_t false_alarms = 0;    ///< steps that are not wrong, but called doubtful or worse
+  double largest_error = 0.0;      ///< m, of a step that is called tracking
+  double largest_error_deg = 0.0;  ///< likewise
+};
+
 /// Counts wrong steps that the status calls right. A step leads from the last scan that was neither
 /// lost nor degraded, because a guess in between claims nothing.
 class StepChecker {
@@ -40,11 +49,7 @@ class StepChecker {
   /// are not connected to it. Returns the error of the step that ends there; empty if none does.
   std::optional<StepError> add(const Pose& T_map_base, const Pose& T_odom_base,
                                front_end::TrackingState state, bool new_segment);
-  std::size_t silent() const { return silent_; }
-  std::size_t wrong() const { return wrong_; }
-  std::size_t false_alarms() const { return false_alarms_; }
-  double largest_error() const { return largest_error_; }
-  double largest_error_deg() const { return largest_error_deg_; }
+  const StepCounts& counts() const { return counts_; }
 
  private:
   void count(const StepError& error, front_end::TrackingState state);
@@ -54,11 +59,7 @@ class StepChecker {
     Pose T_odom_base;
   };
   std::optional<Claim> last_;
-  std::size_t silent_ = 0;
-  std::size_t wrong_ = 0;
-  std::size_t false_alarms_ = 0;
-  double largest_error_ = 0.0;
-  double largest_error_deg_ = 0.0;
+  StepCounts counts_;
 };
 
 }  // namespace lidar_mapping::campaign

@@ -22,14 +22,14 @@ TEST(StepChecker, CountsWrongStepsThatAreCalledTracking) {
   StepChecker steps;
   steps.add(at(0.0), at(0.0), TrackingState::kTracking, false);
   steps.add(at(1.0), at(1.29), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.silent(), 0U);
+  EXPECT_EQ(steps.counts().silent, 0U);
   steps.add(at(2.0), at(2.65), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.silent(), 1U);
-  EXPECT_NEAR(steps.largest_error(), 0.36, 1e-9);
+  EXPECT_EQ(steps.counts().silent, 1U);
+  EXPECT_NEAR(steps.counts().largest_error, 0.36, 1e-9);
   steps.add(at(3.0), at(3.65, 0.02), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.silent(), 2U) << "1.1 degrees";
+  EXPECT_EQ(steps.counts().silent, 2U) << "1.1 degrees";
   steps.add(at(4.0), at(9.0), TrackingState::kDegenerate, false);
-  EXPECT_EQ(steps.silent(), 2U) << "it was said";
+  EXPECT_EQ(steps.counts().silent, 2U) << "it was said";
 }
 
 TEST(StepChecker, LeavesOutWhatIsCalledLostAndComparesAcrossIt) {
@@ -37,13 +37,13 @@ TEST(StepChecker, LeavesOutWhatIsCalledLostAndComparesAcrossIt) {
   steps.add(at(0.0), at(0.0), TrackingState::kTracking, false);
   steps.add(at(1.0), at(7.0), TrackingState::kLost, false);
   steps.add(at(2.0), at(2.0), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.silent(), 0U);
+  EXPECT_EQ(steps.counts().silent, 0U);
   steps.add(at(3.0), at(3.0), TrackingState::kLost, false);
   steps.add(at(4.0), at(5.0), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.silent(), 1U) << "found again at a wrong place";
+  EXPECT_EQ(steps.counts().silent, 1U) << "found again at a wrong place";
   steps.add(at(5.0), at(0.0), TrackingState::kLost, true);
   steps.add(at(6.0), at(1.0), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.silent(), 1U) << "a new segment hangs together with nothing before it";
+  EXPECT_EQ(steps.counts().silent, 1U) << "a new segment hangs together with nothing before it";
 }
 
 TEST(StepChecker, CountsWhatIsDoubtedWithoutNeed) {
@@ -52,15 +52,15 @@ TEST(StepChecker, CountsWhatIsDoubtedWithoutNeed) {
   const auto error = steps.add(at(1.0), at(1.1), TrackingState::kDoubtful, false);
   ASSERT_TRUE(error);
   EXPECT_NEAR(error->metres, 0.1, 1e-9);
-  EXPECT_EQ(steps.false_alarms(), 1U);
+  EXPECT_EQ(steps.counts().false_alarms, 1U);
   // A doubtful pose claims to be right within its covariance: the next step leads from it.
   steps.add(at(2.0), at(2.8), TrackingState::kDoubtful, false);
   steps.add(at(3.0), at(3.8), TrackingState::kTracking, false);
-  EXPECT_EQ(steps.false_alarms(), 1U);
-  EXPECT_EQ(steps.wrong(), 1U);
-  EXPECT_EQ(steps.silent(), 0U);
+  EXPECT_EQ(steps.counts().false_alarms, 1U);
+  EXPECT_EQ(steps.counts().wrong, 1U);
+  EXPECT_EQ(steps.counts().silent, 0U);
   steps.add(at(4.0), at(4.8), TrackingState::kDegraded, false);
-  EXPECT_EQ(steps.false_alarms(), 2U);
+  EXPECT_EQ(steps.counts().false_alarms, 2U);
 }
 
 TEST(CheckedStep, IsRightWithinThreeOfItsStandardDeviations) {
@@ -158,6 +158,14 @@ TEST(CampaignRun, CountsScansAndFindsACleanDriveInOrder) {
   EXPECT_GT(figures.cpu_ms, 0.0);
   EXPECT_EQ(figures.steps, 57U);
   EXPECT_LT(figures.squared_error / 57.0, 0.1);
+}
+
+// Nothing can be aligned with the truth.
+TEST(CampaignRun, RefusesACaseOfLessThanThreeScans) {
+  for (const char* line :
+       {"a drive=tunnel lidar=vlp16 scan_rate=1", "a drive=tunnel lidar=vlp16 every=1000"}) {
+    EXPECT_THROW(run_case(parse_case(line), 1.5), ConfigError) << line;
+  }
 }
 
 TEST(CampaignRun, HandsTheImuOfACaseToTheFrontEnd) {
