@@ -97,8 +97,7 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
   std::map<Stamp, std::size_t> at;
   for (std::size_t i = 0; i < input.poses.poses.size(); ++i) at[input.poses.poses[i].stamp] = i;
   std::vector<evaluation::PosePair> pairs;
-  std::vector<double> sigmas;
-  std::vector<bool> with_height;
+  std::vector<Eigen::Matrix3d> covariances;
   for (const GnssPosition& gnss : back_end.positions()) {
     const auto found = at.find(gnss.stamp);
     if (found == at.end()) continue;
@@ -108,22 +107,25 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
     pair.truth.translation = gnss.p_enu_antenna;
     pair.estimate.translation = pose * gnss.p_base_antenna;
     pairs.push_back(pair);
-    with_height.push_back(has_height(gnss.covariance));
-    sigmas.push_back(std::sqrt(0.5 * gnss.covariance.topLeftCorner<2, 2>().trace()));
+    covariances.push_back(gnss.covariance);
   }
   const bool in_enu = is_in_enu(input.session);
-  if (!in_enu && pairs.size() >= 3) pairs = aligned(pairs, evaluation::rigid_alignment(pairs));
+  if (!in_enu && pairs.size() < 3) pairs.clear();  // too few to tell where the map lies
+  if (!in_enu && !pairs.empty()) pairs = aligned(pairs, evaluation::rigid_alignment(pairs));
   const auto distances = distances_of(input.poses);
   json::Json rows = json::Json::array();
+  std::vector<double> sigmas;
   std::vector<double> horizontal;
   std::vector<double> vertical;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const bool with_height = has_height(covariances[i]);
     Eigen::Vector3d d = pairs[i].truth.translation - pairs[i].estimate.translation;
-    if (!with_height[i]) d.z() = 0.0;
+    if (!with_height) d.z() = 0.0;
+    sigmas.push_back(std::sqrt(0.5 * covariances[i].topLeftCorner<2, 2>().trace()));
     rows.push_back({distances[at.at(pairs[i].stamp)], d.x(), d.y(), d.z(), sigmas[i],
                     pairs[i].truth.translation.x(), pairs[i].truth.translation.y()});
     horizontal.push_back(d.head<2>().norm());
-    if (with_height[i]) vertical.push_back(std::abs(d.z()));
+    if (with_height) vertical.push_back(std::abs(d.z()));
   }
   return {{"positions", pairs.size()},
           {"used_by_graph", in_enu},

@@ -105,9 +105,12 @@ json::Json scan_figures(const ReportInput& input) {
   const auto scans = input.session.scans();
   std::map<std::string, int> states;
   std::vector<double> seconds;
+  std::int64_t dropped = 0;
   for (const session::ScanRecord& scan : scans) {
     ++states[scan.state];
     seconds.push_back(scan.seconds);
+    // The count begins at 0 again after a restart, and in each of merged drives.
+    dropped = std::max(dropped, scan.scans_dropped);
   }
   double optimising = 0.0;
   double longest = 0.0;
@@ -117,7 +120,7 @@ json::Json scan_figures(const ReportInput& input) {
     longest = std::max(longest, revision.seconds);
   }
   return {{"scans", scans.size()},
-          {"dropped", scans.empty() ? 0 : scans.back().scans_dropped},
+          {"dropped", dropped},
           {"states", states},
           {"stretches", untracked_sections(scans)},
           {"front_end_median_s", quantile(seconds, 0.5)},

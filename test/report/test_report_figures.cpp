@@ -130,6 +130,39 @@ TEST_F(ReportFigures, NameTheScansThatWereNotTracked) {
   EXPECT_NEAR(figures["stretches"][0]["begin_s"], 0.4, 1e-9);
 }
 
+// The front end was restarted at the third scan, and counts from 0 again.
+TEST_F(ReportFigures, RememberDroppedScansAfterARestart) {
+  Stamp stamp = 0;
+  for (const int dropped : {0, 4, 0, 1}) {
+    session::ScanRecord scan;
+    scan.stamp = stamp += 100'000'000;
+    scan.state = "tracking";
+    scan.scans_dropped = dropped;
+    session_.add_scan(scan);
+  }
+  EXPECT_EQ(scan_figures(report_input(session_))["dropped"], 4);
+}
+
+// Two positions do not tell where a map lies that was never moved to East-North-Up.
+TEST_F(ReportFigures, CompareWithGnssOnlyWhereItCanBeAligned) {
+  const auto add_position = [this](KeyFrameIndex index) {
+    GnssPosition position;
+    position.stamp = poses_.poses[index].stamp;
+    position.p_enu_antenna = {500.0, 70.0 + index, 3.0};
+    session_.add_gnss(position);
+  };
+  const auto figures = [this] {
+    return gnss_figures(report_input(session_), *solved_graph(session_));
+  };
+  add_position(0);
+  add_position(10);
+  EXPECT_EQ(figures()["positions"], 0);
+  EXPECT_EQ(figures()["p95_horizontal_m"], 0.0);
+  add_position(5);
+  EXPECT_EQ(figures()["positions"], 3);
+  EXPECT_LT(figures()["p95_horizontal_m"], 0.5);
+}
+
 TEST_F(ReportFigures, CompareWithTheTruthAfterAlignment) {
   Trajectory truth;
   for (const KeyFramePose& pose : poses_.poses) {
