@@ -19,18 +19,15 @@ namespace {
 
 using back_end::KeyFrameDeviation;
 
-back_end::BackEndConfig configuration_of(const session::Session& session) {
-  return pipeline::stored_config<back_end::BackEndConfig>(session);
-}
-
 /// Key frames that are constrained by a used loop or a GNSS position.
 std::set<KeyFrameIndex> constrained_ones(const ReportInput& input,
-                                         const back_end::BackEnd& back_end, bool use_gnss) {
+                                         const back_end::BackEnd& back_end) {
   std::set<KeyFrameIndex> constrained;
   for (const auto& [loop, used] : back_end.loops()) {
     if (used) constrained.insert({loop.from, loop.to});
   }
-  if (!use_gnss) return constrained;
+  const auto config = pipeline::stored_config<back_end::BackEndConfig>(input.session);
+  if (!config.use_gnss) return constrained;
   std::set<Stamp> stamps;
   for (const GnssPosition& gnss : input.session.gnss()) stamps.insert(gnss.stamp);
   for (const KeyFramePose& pose : input.poses.poses) {
@@ -97,7 +94,8 @@ json::Json largest(const std::vector<Place>& places,
 }  // namespace
 
 std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session) {
-  auto back_end = std::make_unique<back_end::BackEnd>(configuration_of(session));
+  auto back_end = std::make_unique<back_end::BackEnd>(
+      pipeline::stored_config<back_end::BackEndConfig>(session));
   pipeline::replay(session, *back_end);
   back_end->apply(*back_end::solve(*back_end->problem(true)));
   return back_end;
@@ -119,9 +117,7 @@ json::Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd
           {"largest_step", largest(places, &KeyFrameDeviation::from_previous)},
           {"not_tied", count([](const auto& d) { return !std::isfinite(d.from_first.position); })},
           {"doubtful", count([](const auto& d) { return d.doubtful; })},
-          {"longest_without_constraint",
-           longest_gap(
-               input, constrained_ones(input, back_end, configuration_of(input.session).use_gnss))},
+          {"longest_without_constraint", longest_gap(input, constrained_ones(input, back_end))},
           {"columns", {"distance", "sigma_m", "sigma_deg"}},
           {"rows", rows}};
 }

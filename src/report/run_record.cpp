@@ -164,17 +164,11 @@ RecordedFile recorded_file(const fs::path& path) try {
 std::optional<RunRecord> read_run_record(const fs::path& session) {
   std::ifstream stream(session / kFile);
   if (!stream) return std::nullopt;
-  const auto fail = [&session](const std::exception& error) {
-    throw InputError((session / kFile).string() + " is damaged: " + error.what());
-  };
   try {
     return record_of(json::Json::parse(stream));
-  } catch (const json::Json::exception& error) {
-    fail(error);
-  } catch (const InputError& error) {
-    fail(error);
+  } catch (const std::exception& error) {  // the library's, or that of whole_number()
+    throw InputError((session / kFile).string() + " is damaged: " + error.what());
   }
-  return std::nullopt;
 }
 
 void write_run_record(const fs::path& session, const RunRecord& record) {
