@@ -3,10 +3,10 @@
 //   map_of_session SESSION FOLDER [VOXEL_SIZE]
 
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -16,11 +16,14 @@ int main(int argc, char** argv) try {
   if (argc < 3 || argc > 4) {
     throw InputError("usage: map_of_session SESSION FOLDER [VOXEL_SIZE]");
   }
+  std::vector<config::Source> parameters;  // those that are not given have their defaults
+  if (argc == 4) {
+    parameters.push_back(config::parse_yaml(std::string("resolution: ") + argv[3], "command line"));
+  }
+  const auto config = config::load<map::MapConfig>(parameters);
+
   const auto session = session::Session::open(argv[1], session::Session::Access::kRead);
   const KeyFramePoses poses = session.poses();  // T_map_base of the newest optimisation
-
-  map::MapConfig config;
-  if (argc == 4) config.resolution = std::strtod(argv[3], nullptr);  // edge of the voxels, m
 
   map::ProductOptions options;
   options.formats = {"pcd", "las", "png"};

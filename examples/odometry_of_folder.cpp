@@ -4,9 +4,9 @@
 
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <variant>
 
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
@@ -65,7 +65,7 @@ int main(int argc, char** argv) try {
     if (scan != nullptr) odometry.add(scan->decode({}));
   }
   const Trajectory trajectory = odometry.finish();
-  std::ofstream(argv[2]) << to_tum(trajectory);
+  write_text_atomically(argv[2], to_tum(trajectory));
   std::printf("%s: %zu poses\n", input.description().c_str(), trajectory.poses.size());
   return 0;
 } catch (const std::exception& error) {

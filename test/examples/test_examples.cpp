@@ -215,6 +215,10 @@ TEST_F(Example, MistakesEndWithASentence) {
     EXPECT_EQ(program.wait(), 1) << name;
     EXPECT_EQ(program.output().rfind("usage: ", 0), 0U) << program.output();
   }
+  test::Program no_number("map_of_session", {path("missing"), path("map"), "fine"},
+                          folder_.path() / "output");
+  EXPECT_EQ(no_number.wait(), 1);
+  EXPECT_NE(no_number.output().find("resolution"), std::string::npos) << no_number.output();
   test::Program program("register_two_scans", {path("a.pcd"), path("b.pcd")},
                         folder_.path() / "output");
   EXPECT_EQ(program.wait(), 1);
