@@ -240,9 +240,7 @@ std::vector<GnssFix> Drive::gnss() const {
 }
 
 void add_fault(DriveOptions& options, const std::string& text) {
-  const std::vector<std::string> of_imu = imu_fault_names();
-  const std::string name = text.substr(0, text.find('='));
-  if (std::find(of_imu.begin(), of_imu.end(), name) != of_imu.end()) {
+  if (text.rfind("imu_", 0) == 0) {
     options.imu_faults.push_back(parse_imu_fault(text));
   } else {
     options.scan_faults.push_back(parse_scan_fault(text));

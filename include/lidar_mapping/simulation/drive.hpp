@@ -60,8 +60,8 @@ struct DriveOptions {
   std::vector<ImuFault> imu_faults;      ///< Faults of the IMU.
 };
 
-/// Adds the fault that `text` describes, as parse_scan_fault() or parse_imu_fault() read it. Throws
-/// ConfigError.
+/// Adds the fault that `text` describes, as parse_imu_fault() reads it if it begins with "imu_",
+/// else as parse_scan_fault() does. Throws ConfigError.
 void add_fault(DriveOptions& options, const std::string& text);
 
 /// Poses of the sensors on the vehicle.

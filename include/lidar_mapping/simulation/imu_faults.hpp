@@ -33,8 +33,6 @@ struct ImuFault {
 /// "imu_frame", "imu_units=g" or "imu_units=degrees", "imu_offset=0.02", "imu_gap=2,20". Throws
 /// ConfigError for any other name, and for a value that is missing or out of range.
 ImuFault parse_imu_fault(const std::string& text);
-/// Names of all faults: "imu_vibration" and so on.
-std::vector<std::string> imu_fault_names();
 /// How all faults are written, with the ranges of their values.
 std::vector<std::string> imu_fault_formats();
 

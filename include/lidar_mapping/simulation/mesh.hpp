@@ -35,6 +35,6 @@ void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vect
 void add_tube(TriangleMesh& mesh, const Eigen::Vector3d& foot, const Eigen::Vector3d& axis,
               double foot_radius, double top_radius, int sides, Reflectivity reflectivity);
 /// Appends the triangles of `other`, transformed by T_mesh_other.
-void append(TriangleMesh& mesh, const TriangleMesh& other, const Pose& T_mesh_other = {});
+void append(TriangleMesh& mesh, const TriangleMesh& other, const Pose& T_mesh_other);
 
 }  // namespace lidar_mapping::simulation

@@ -99,22 +99,8 @@ std::vector<Vector6d> body_on_ground(const std::vector<TrackState>& states,
 
 }  // namespace
 
-Carrier hand_held_carrier() {
-  Carrier carrier;
-  carrier.arm = 0.35;
-  carrier.step_length = 0.7;
-  carrier.push = 4.5;
-  carrier.push_s = 0.2;
-  carrier.side_push = 1.0;
-  carrier.tilt_push = 8.0;
-  carrier.spring_hz = 2.0;
-  carrier.damping = 0.4;
-  carrier.sway = 0.1;
-  return carrier;
-}
-
 Carrier running_carrier() {
-  Carrier carrier = hand_held_carrier();
+  Carrier carrier;
   carrier.step_length = 1.1;
   carrier.push = 14.0;
   carrier.push_s = 0.12;
@@ -128,6 +114,7 @@ Carrier running_carrier() {
 Carrier legged_carrier() {
   Carrier carrier;
   carrier.height = 0.5;
+  carrier.arm = 0.0;
   carrier.step_length = 0.32;
   carrier.push = 36.5;  // 3 g after the springs have taken their part
   carrier.push_s = 0.025;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -28,14 +27,6 @@ bool matches_format(const std::string& text, const char* format, Numbers*... num
   int end = 0;
   const int read = std::sscanf(text.c_str(), format, numbers..., &end);
   return read == static_cast<int>(sizeof...(numbers)) && end == static_cast<int>(text.size());
-}
-
-/// Names in a table of faults.
-template <typename Descriptions>
-std::vector<std::string> fault_names(const Descriptions& descriptions) {
-  std::vector<std::string> names;
-  for (const auto& known : descriptions) names.emplace_back(known.name);
-  return names;
 }
 
 /// How the faults in a table are written, with the ranges of their values.
@@ -62,8 +53,9 @@ Fault parse_fault(const std::string& text, const Descriptions& descriptions,
     if (read_value(known, value, fault)) return fault;
     throw ConfigError("fault: '" + text + "' is not of the form " + known.format);
   }
-  throw ConfigError("fault: '" + name + "' is unknown; use one of " +
-                    joined(fault_names(descriptions), " "));
+  std::string names;
+  for (const auto& known : descriptions) names += std::string(" ") + known.name;
+  throw ConfigError("fault: '" + name + "' is unknown; use one of" + names);
 }
 
 }  // namespace lidar_mapping::simulation

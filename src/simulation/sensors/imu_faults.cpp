@@ -141,8 +141,6 @@ ImuFault parse_imu_fault(const std::string& text) {
   return parse_fault<ImuFault>(text, kDescriptions, read);
 }
 
-std::vector<std::string> imu_fault_names() { return fault_names(kDescriptions); }
-
 std::vector<std::string> imu_fault_formats() { return fault_formats(kDescriptions); }
 
 void corrupt(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,

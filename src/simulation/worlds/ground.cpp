@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worlds/palette.hpp"
+
 namespace lidar_mapping::simulation {
 
 namespace {
 
 /// Edge length, m; chosen: smaller ones follow slopes better and slow the rays.
-constexpr double kPatchCell = 2.5;
+constexpr double kPavementCell = 2.5;
 
 int cells_of(double length, double cell) {
   return std::max(1, static_cast<int>(std::ceil(length / cell)));
@@ -30,11 +32,10 @@ void add_ground(TriangleMesh& mesh, const Terrain& terrain, const Eigen::Vector2
   }
 }
 
-void add_raised_patch(TriangleMesh& mesh, const Terrain& terrain,
-                      const std::array<Eigen::Vector2d, 4>& corners, double height,
-                      PatchColours colours) {
-  const int nu = cells_of((corners[1] - corners[0]).norm(), kPatchCell);
-  const int nv = cells_of((corners[3] - corners[0]).norm(), kPatchCell);
+void add_pavement(TriangleMesh& mesh, const Terrain& terrain,
+                  const std::array<Eigen::Vector2d, 4>& corners, double height) {
+  const int nu = cells_of((corners[1] - corners[0]).norm(), kPavementCell);
+  const int nv = cells_of((corners[3] - corners[0]).norm(), kPavementCell);
   const auto plan = [&](int i, int j) -> Eigen::Vector2d {
     const double u = static_cast<double>(i) / nu, v = static_cast<double>(j) / nv;
     return (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
@@ -43,11 +44,11 @@ void add_raised_patch(TriangleMesh& mesh, const Terrain& terrain,
   const auto top = [&](int i, int j) { return terrain.on_ground(plan(i, j), height); };
   const auto rim = [&](int i0, int j0, int i1, int j1) {
     add_quad(mesh, top(i0, j0), top(i1, j1), terrain.on_ground(plan(i1, j1), -0.1),
-             terrain.on_ground(plan(i0, j0), -0.1), colours.rim);
+             terrain.on_ground(plan(i0, j0), -0.1), kKerbStone);
   };
   for (int j = 0; j < nv; ++j) {
     for (int i = 0; i < nu; ++i) {
-      add_quad(mesh, top(i, j), top(i + 1, j), top(i + 1, j + 1), top(i, j + 1), colours.top);
+      add_quad(mesh, top(i, j), top(i + 1, j), top(i + 1, j + 1), top(i, j + 1), kPavement);
     }
     rim(0, j, 0, j + 1);
     rim(nu, j, nu, j + 1);

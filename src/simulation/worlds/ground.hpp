@@ -13,14 +13,10 @@ namespace lidar_mapping::simulation {
 void add_ground(TriangleMesh& mesh, const Terrain& terrain, const Eigen::Vector2d& low,
                 const Eigen::Vector2d& high, double cell, Reflectivity reflectivity);
 
-struct PatchColours {
-  Reflectivity top;
-  Reflectivity rim;
-};
-/// Adds the terrain within a quadrilateral, raised by `height` (m), with a vertical rim around it.
-void add_raised_patch(TriangleMesh& mesh, const Terrain& terrain,
-                      const std::array<Eigen::Vector2d, 4>& corners, double height,
-                      PatchColours colours);
+/// Adds a pavement: the terrain within a quadrilateral, raised by `height` (m), with a vertical
+/// kerb around it.
+void add_pavement(TriangleMesh& mesh, const Terrain& terrain,
+                  const std::array<Eigen::Vector2d, 4>& corners, double height);
 /// Pose of an object that stands on the terrain at `at`, tilted with it, with x along `yaw`.
 Pose on_slope(const Terrain& terrain, const Eigen::Vector2d& at, double yaw);
 

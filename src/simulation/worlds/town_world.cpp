@@ -44,7 +44,7 @@ class BlockBuilder {
       : mesh_(mesh), terrain_(terrain), random_(random), parking_day_(parking_day) {}
 
   void build(const std::array<Eigen::Vector2d, 4>& corners) {
-    add_raised_patch(mesh_, terrain_, corners, kKerbHeight, {kPavement, kKerbStone});
+    add_pavement(mesh_, terrain_, corners, kKerbHeight);
     for (int i = 0; i < 4; ++i) {
       const Frontage side = frontage(corners[i], corners[(i + 1) % 4]);
       add_houses(side);

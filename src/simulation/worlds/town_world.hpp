@@ -20,6 +20,6 @@ constexpr double kLaneOffset = 1.75;
 /// The fixed world of a town: streets, blocks with houses and gardens, street furniture and parked
 /// cars: those of the given day, of which the first (0) is that of the world itself.
 TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random,
-                            std::uint64_t parking_day = 0);
+                            std::uint64_t parking_day);
 
 }  // namespace lidar_mapping::simulation
