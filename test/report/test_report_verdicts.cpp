@@ -53,12 +53,17 @@ json::Json section(bool trusted, const json::Json& error) {
           {"trusted", trusted}};
 }
 
-json::Json verdict_on(const json::Json& report, const std::string& name) {
+/// The entry `key` of the line with this name.
+json::Json entry(const json::Json& report, const std::string& name, const char* key) {
   for (const json::Json& line : verdicts(report)) {
-    if (line["name"] == name) return line["good"];
+    if (line["name"] == name) return line[key];
   }
   ADD_FAILURE() << "no line " << name;
   return nullptr;
+}
+
+json::Json verdict_on(const json::Json& report, const std::string& name) {
+  return entry(report, name, "good");
 }
 
 TEST(ReportVerdicts, AreGoodForAGoodMap) {
@@ -99,12 +104,7 @@ TEST(ReportVerdicts, CannotBeGoodWhereTheMotionWasNotObserved) {
 
 TEST(ReportVerdicts, SayWhereThePosesAreKnownLeast) {
   json::Json report = good_report();
-  const auto value = [&] {
-    for (const json::Json& line : verdicts(report)) {
-      if (line["name"] == "Pose uncertainty") return line["value"].get<std::string>();
-    }
-    return std::string();
-  };
+  const auto value = [&] { return entry(report, "Pose uncertainty", "value"); };
   const std::string known =
       "standard deviation up to 0.10 m from the first key frame (key frame 49 at 12.0, -3.5), "
       "up to 0.02 m from a neighbour (key frame 7 at 1.0, 2.0)";

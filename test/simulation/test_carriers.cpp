@@ -119,14 +119,13 @@ TEST(Carriers, DroneTiltsInFlightAndRestsAtTheBeginning) {
 }
 
 TEST(Carriers, StairsDriveVisitsThreeStoreys) {
-  double highest = 0.0;
+  std::vector<double> heights;
   for (const MotionState& state : states_of(drive_of("stairs"))) {
-    highest = std::max(highest, state.T_map_base.translation.z());
+    heights.push_back(state.T_map_base.translation.z());
   }
-  const std::vector<MotionState> states = states_of(drive_of("stairs"));
-  EXPECT_NEAR(highest - states.front().T_map_base.translation.z(), 9.6, 0.1);
-  EXPECT_NEAR(states.back().T_map_base.translation.z(), states.front().T_map_base.translation.z(),
-              0.1);
+  const double highest = *std::max_element(heights.begin(), heights.end());
+  EXPECT_NEAR(highest - heights.front(), 9.6, 0.1);
+  EXPECT_NEAR(heights.back(), heights.front(), 0.1);
 }
 
 /// Index of the first scan at which the lift moves at its full speed.
