@@ -56,6 +56,11 @@ constexpr Description kDescriptions[] = {
     {"sparse", Kind::kSparse, "sparse=POINTS, 1 or more", 1.0, 1e9},
     {"times", Kind::kTimes, "times=none or times=negated", 0.0, 1.0}};
 
+std::size_t count_valid(const std::vector<RayReturn>& rays) {
+  return static_cast<std::size_t>(
+      std::count_if(rays.begin(), rays.end(), [](const RayReturn& ray) { return ray.is_valid; }));
+}
+
 void set_return(RayReturn& ray, const Eigen::Vector3d& direction, double range, float intensity) {
   const Eigen::Vector3f p = (range * direction).cast<float>();
   ray = {true, {p.x(), p.y(), p.z(), intensity}, 1};
@@ -76,8 +81,7 @@ void add_wall(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& 
 
 void add_outliers(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& directions,
                   double fraction, const LidarModel& lidar, Random random) {
-  const auto valid_returns = static_cast<double>(
-      std::count_if(rays.begin(), rays.end(), [](const RayReturn& ray) { return ray.is_valid; }));
+  const auto valid_returns = static_cast<double>(count_valid(rays));
   // The probability for each ray such that the artificial points are this fraction of all points,
   // because some of them replace returns.
   const double chance =
@@ -100,6 +104,19 @@ void add_rain(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& 
   }
 }
 
+/// Keeps `max` returns, which are drawn at random.
+void keep_random_subset(std::vector<RayReturn>& rays, std::size_t max, Random random) {
+  std::size_t candidates = count_valid(rays);
+  std::size_t remaining = max;
+  if (candidates <= max) return;
+  for (RayReturn& ray : rays) {
+    if (!ray.is_valid) continue;
+    ray.is_valid =
+        random.chance(static_cast<double>(remaining) / static_cast<double>(candidates--));
+    if (ray.is_valid) --remaining;
+  }
+}
+
 bool read(const Description& known, const std::optional<std::string>& value, ScanFault& fault) {
   fault.every_s = kDefaultFrozenPeriod;
   if (known.kind == Kind::kWall) return !value;
@@ -115,28 +132,6 @@ bool read(const Description& known, const std::optional<std::string>& value, Sca
   // Written so that NaN fails.
   return (is_one_number || are_two_numbers) && fault.amount >= known.min &&
          fault.amount <= known.max;
-}
-
-/// Keeps a random subset of `max` points, in their order.
-void keep_random_subset(SimulatedScan& scan, std::size_t max, Random random) {
-  std::size_t remaining = max;
-  std::size_t kept = 0;
-  const std::size_t size = scan.cloud.size();
-  if (size <= max) return;
-  for (std::size_t i = 0; i < size; ++i) {
-    const double chance = static_cast<double>(remaining) / static_cast<double>(size - i);
-    if (!random.chance(chance)) continue;
-    scan.cloud.points[kept] = scan.cloud.points[i];
-    scan.moving[kept] = scan.moving[i];
-    scan.rays[kept] = scan.rays[i];
-    if (scan.cloud.has_times()) scan.cloud.times[kept] = scan.cloud.times[i];
-    ++kept;
-    --remaining;
-  }
-  scan.cloud.points.resize(kept);
-  scan.moving.resize(kept);
-  scan.rays.resize(kept);
-  if (scan.cloud.has_times()) scan.cloud.times.resize(kept);
 }
 
 }  // namespace
@@ -185,17 +180,19 @@ void ScanFaults::corrupt(SimulatedScan& scan, std::size_t index, const LidarMode
   const auto stream = [&](Stream which) { return Random(seed_ ^ mix64(index), which); };
   const double outliers = amount_of(Kind::kOutliers);
   const double rain = amount_of(Kind::kRain);
+  const double sparse = amount_of(Kind::kSparse);
   const bool has_wall = amount_of(Kind::kWall) >= 0.0;
-  if (outliers > 0.0 || rain > 0.0 || has_wall) {
+  if (outliers > 0.0 || rain > 0.0 || sparse > 0.0 || has_wall) {
     const std::vector<Eigen::Vector3d> directions = ray_directions(lidar, index);
     std::vector<RayReturn> rays = returns_of(scan, lidar);
     if (has_wall) add_wall(rays, directions, range_noise, stream(kWallStream));
     if (outliers > 0.0) add_outliers(rays, directions, outliers, lidar, stream(kOutlierStream));
     if (rain > 0.0) add_rain(rays, directions, rain, stream(kRainStream));
+    if (sparse > 0.0) {
+      keep_random_subset(rays, static_cast<std::size_t>(sparse), stream(kSubsetStream));
+    }
     scan = scan_of(rays, scan, lidar);
   }
-  const double max = amount_of(Kind::kSparse);
-  if (max > 0.0) keep_random_subset(scan, static_cast<std::size_t>(max), stream(kSubsetStream));
   const double times = amount_of(Kind::kTimes);
   if (times == 0.0) scan.cloud.times.clear();
   if (times == 1.0) {
