@@ -24,21 +24,6 @@ std::vector<PosePair> associate_by_line(const Trajectory& truth, const Trajector
   return pairs;
 }
 
-}  // namespace
-
-std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estimate,
-                                double largest_gap_s) {
-  if (!truth.has_stamps || !estimate.has_stamps) return associate_by_line(truth, estimate);
-  std::vector<PosePair> pairs;
-  for (const StampedPose& entry : estimate.poses) {
-    const auto pose = pose_at(entry.stamp, truth, largest_gap_s);
-    if (pose) pairs.push_back({entry.stamp, *pose, entry.pose});
-  }
-  return pairs;
-}
-
-namespace {
-
 /// Umeyama's matrix: rotation times scale, and translation.
 Eigen::Matrix4d umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   if (pairs.size() < 3) {
@@ -63,6 +48,17 @@ bool moves(const std::vector<PosePair>& pairs, Pose PosePair::*which) {
 }
 
 }  // namespace
+
+std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estimate,
+                                double largest_gap_s) {
+  if (!truth.has_stamps || !estimate.has_stamps) return associate_by_line(truth, estimate);
+  std::vector<PosePair> pairs;
+  for (const StampedPose& entry : estimate.poses) {
+    const auto pose = pose_at(entry.stamp, truth, largest_gap_s);
+    if (pose) pairs.push_back({entry.stamp, *pose, entry.pose});
+  }
+  return pairs;
+}
 
 Pose rigid_alignment(const std::vector<PosePair>& pairs) {
   return Pose::from_matrix(umeyama(pairs, false));

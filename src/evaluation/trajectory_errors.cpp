@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lidar_mapping/common/units.hpp"
 
@@ -43,12 +44,8 @@ ErrorStatistics statistics_of(std::vector<double> values) {
   result.count = values.size();
   if (values.empty()) return result;
   std::sort(values.begin(), values.end());
-  double sum = 0.0;
-  double squares = 0.0;
-  for (const double value : values) {
-    sum += value;
-    squares += value * value;
-  }
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  const double squares = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
   const auto count = static_cast<double>(values.size());
   result.rmse = std::sqrt(squares / count);
   result.mean = sum / count;
@@ -107,12 +104,10 @@ std::vector<double> usual_segment_lengths(const std::vector<PosePair>& pairs) {
 }
 
 std::vector<double> travelled_distances(const std::vector<PosePair>& pairs) {
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    distances.push_back(
-        i == 0 ? 0.0
-               : distances.back() +
-                     (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm());
+  std::vector<double> distances(pairs.size(), 0.0);
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    distances[i] =
+        distances[i - 1] + (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm();
   }
   return distances;
 }

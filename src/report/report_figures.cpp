@@ -159,22 +159,17 @@ json::Json truth_figures(const ReportInput& input) {
           {"rows", rows}};
 }
 
-namespace {
-
-/// Without the position of the sensor the angles of incidence are unknown, so there is no ratio.
-json::Json thickness_json(const map_quality::Thickness& thickness, bool has_ratio) {
-  return {{"cells", thickness.cells},
-          {"median_m", thickness.median},
-          {"p90_m", thickness.percentile_90},
-          {"median_within_m", thickness.median_within},
-          {"median_ratio_to_noise", has_ratio ? json::Json(thickness.median_ratio) : json::Json()}};
-}
-
-}  // namespace
-
 json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio) {
-  return {{"ground", thickness_json(thickness.ground, has_ratio)},
-          {"walls", thickness_json(thickness.walls, has_ratio)},
+  // Without the position of the sensor the angles of incidence are unknown, so there is no ratio.
+  const auto part = [&](const map_quality::Thickness& of) -> json::Json {
+    return {{"cells", of.cells},
+            {"median_m", of.median},
+            {"p90_m", of.percentile_90},
+            {"median_within_m", of.median_within},
+            {"median_ratio_to_noise", has_ratio ? json::Json(of.median_ratio) : json::Json()}};
+  };
+  return {{"ground", part(thickness.ground)},
+          {"walls", part(thickness.walls)},
           {"planar_share", thickness.planar_fraction}};
 }
 

@@ -21,8 +21,8 @@ namespace lidar_mapping::report {
 struct ReportInput {
   const session::Session& session;
   KeyFramePoses poses;  ///< newest, T_map_base
-  KeyFramePoses
-      odometry;  ///< moved so that the first key frame has the pose that it has in `poses`
+  /// Moved so that the first key frame has the pose that it has in `poses`.
+  KeyFramePoses odometry;
   std::optional<Trajectory> truth;
 };
 

@@ -36,8 +36,8 @@ struct DriveOptions {
   std::string drive = "town";   ///< One of drive_names().
   std::string lidar = "hdl64";  ///< One of lidar_names().
   std::uint64_t seed = 1;       ///< Seed of the world, the traffic and all noise.
-  /// Number of the pass: each gives another traffic and noise in the same world (towns only), so
-  /// many days later.
+  /// Number of the pass, at most 36500: each gives another traffic and noise in the same world
+  /// (towns only), so many days later.
   std::uint64_t pass = 0;
   /// The same route in the opposite direction, on the other lane: towns, `open_road`, `car_park`.
   bool reverse = false;

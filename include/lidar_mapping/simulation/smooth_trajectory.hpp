@@ -13,10 +13,10 @@ struct MotionState {
   Pose T_map_base;                                             ///< Pose at the instant.
   Eigen::Vector3d velocity_map = Eigen::Vector3d::Zero();      ///< Velocity in map axes, m/s.
   Eigen::Vector3d acceleration_map = Eigen::Vector3d::Zero();  ///< Acceleration in map axes, m/s^2.
-  Eigen::Vector3d angular_velocity_base =
-      Eigen::Vector3d::Zero();  ///< Angular velocity in the axes of base_link, rad/s.
-  Eigen::Vector3d angular_acceleration_base =
-      Eigen::Vector3d::Zero();  ///< Its derivative, rad/s^2.
+  /// Angular velocity in the axes of base_link, rad/s.
+  Eigen::Vector3d angular_velocity_base = Eigen::Vector3d::Zero();
+  /// Its derivative, rad/s^2.
+  Eigen::Vector3d angular_acceleration_base = Eigen::Vector3d::Zero();
 
   /// The motion of another frame that is fixed to base_link: derivatives of its origin in the map
   /// frame, rates in its own axes.
@@ -32,7 +32,7 @@ class SmoothTrajectory {
   /// InputError for fewer than seven points.
   SmoothTrajectory(Stamp begin, double step_s, std::vector<Vector6d> control);
 
-  /// The same motion later, ns.
+  /// Moves the motion to a later time, by `interval` ns.
   void delay(Stamp interval) {
     begin_ += interval;
     end_ += interval;

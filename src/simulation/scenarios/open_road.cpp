@@ -20,8 +20,8 @@ namespace {
 enum Stream : std::uint64_t { kPath = 0x200, kTerrain, kMesh, kTraffic, kMotion };
 
 constexpr double kRoadHalfWidth = 3.2;  ///< m; chosen, as of a usual country road
-constexpr double kLane =
-    1.6;  ///< From the path to the middle of the road, m: half of kRoadHalfWidth
+/// From the path to the middle of the road, m: half of kRoadHalfWidth.
+constexpr double kLane = 1.6;
 
 /// Corners of a round of about 900 m through the fields and a little more.
 std::vector<Eigen::Vector2d> corners(Random random) {

@@ -17,8 +17,8 @@ namespace {
 enum Stream : std::uint64_t { kLayout = 1, kTerrain, kMesh, kTraffic, kMotion };
 
 constexpr double kTurnRadius = 8.0;  ///< m; chosen: a car's smallest is 5 to 6
-constexpr double kBeginOfDrive =
-    22.0;  ///< Station where a drive begins on its first street, m; chosen.
+/// Station where a drive begins on its first street, m; chosen: behind the first crossing.
+constexpr double kBeginOfDrive = 22.0;
 
 /// A grid of streets and a drive over its crossings.
 struct TownPlan {

@@ -25,8 +25,8 @@ constexpr double kCarried = 1.2;  ///< Height of base_link, m; chosen: in the ha
 /// Corners of the walk: along the corridor, into rooms and out again, round the ring, and over the
 /// first corridor again.
 std::vector<Eigen::Vector2d> corners() {
-  const double inside =
-      kOfficeCorridor + 0.5 * kOfficeRoomDepth;  // from the middle of the corridor into a room
+  // From the middle of the corridor to that of a room.
+  const double inside = kOfficeCorridor + 0.5 * kOfficeRoomDepth;
   const double deep = inside + 1.6;
   const double l = kOfficeLength, w = kOfficeWidth;
   // Into the second room of the lower side and round in it, then the same above and at the right.

@@ -14,9 +14,9 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr Stamp kVelocityPeriod = 10'000'000;
-constexpr double kJumpDuration =
-    10.0;  ///< s, of a jump of GNSS; chosen as of a reflection at a halt
+constexpr Stamp kVelocityPeriod = 10'000'000;  ///< ns
+/// Of a jump of GNSS, s; chosen as of a reflection at a halt.
+constexpr double kJumpDuration = 10.0;
 
 Eigen::Vector3d normal3(Random& random, double sigma) {
   const double x = random.normal(), y = random.normal(), z = random.normal();

@@ -14,8 +14,8 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kMargin =
-    35.0;  ///< Width of the forest around the path, m; chosen: one sees no farther.
+/// Width of the forest around the path, m; chosen: one sees no farther.
+constexpr double kMargin = 35.0;
 constexpr double kAreaPerTree = 22.0;  ///< m^2 per tree; chosen: 450 to a hectare, as usual.
 constexpr double kCrownSpread = 0.9;   ///< Radius of a bush per metre of height, m; chosen.
 
