@@ -8,8 +8,6 @@
 
 #include "motion/smoothing.hpp"
 #include "scenarios/road_drive.hpp"
-#include "scenarios/scenario.hpp"
-#include "sensors/mounting.hpp"
 #include "worlds/buildings.hpp"
 #include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
@@ -224,11 +222,9 @@ Scenario make_car_park(const DriveOptions& options) {
       options.reverse ? reversed_profile(make_profile(in), in) : make_profile(in);
   const std::vector<double> stations =
       stations_along(path, 3.0, 3.0, options.reverse, {5.0, 1.5, 1.2});
-  Scenario scenario{
-      {},
-      vehicle_trajectory(path, stations, floor_under(path, profile), Random(options.seed, kMotion)),
-      car_mounting(),
-      {{time_at(stations, profile.covered_from), time_at(stations, profile.covered_to)}}};
+  Scenario scenario = car_scenario(
+      path, stations, floor_under(path, profile), Random(options.seed, kMotion),
+      {{time_at(stations, profile.covered_from), time_at(stations, profile.covered_to)}});
   Random random(options.seed, kMesh);
   add_ground(scenario.world.fixed, Terrain(), {-110.0, -70.0}, {140.0, 110.0}, 10.0, kAsphalt);
   add_building(scenario.world.fixed, random, options.parked);

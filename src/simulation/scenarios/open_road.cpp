@@ -5,8 +5,6 @@
 #include "lidar_mapping/common/units.hpp"
 
 #include "scenarios/road_drive.hpp"
-#include "scenarios/scenario.hpp"
-#include "sensors/mounting.hpp"
 #include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
 #include "worlds/road_strip.hpp"
@@ -77,11 +75,8 @@ Scenario make_open_road(const DriveOptions& options) {
   const Path& path = options.reverse ? backward : forward;
   const std::vector<double> stations =
       stations_along(path, 2.0, 15.0, options.reverse, {17.0, 2.4, 1.8});
-  Scenario scenario{{},
-                    vehicle_trajectory(path, stations, ground_along(path, terrain),
-                                       Random(options.seed, kMotion)),
-                    car_mounting(),
-                    {}};
+  Scenario scenario =
+      car_scenario(path, stations, ground_along(path, terrain), Random(options.seed, kMotion));
   Random random(options.seed, kMesh);
   TriangleMesh& mesh = scenario.world.fixed;
   add_meadow(mesh, terrain, {-250.0, -170.0}, {440.0, 350.0}, Random(random.bits()));

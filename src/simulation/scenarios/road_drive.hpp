@@ -7,6 +7,8 @@
 
 #include "motion/path.hpp"
 #include "motion/vehicle_motion.hpp"
+#include "scenarios/scenario.hpp"
+#include "sensors/mounting.hpp"
 #include "worlds/terrain.hpp"
 
 namespace lidar_mapping::simulation {
@@ -24,6 +26,14 @@ inline std::vector<double> stations_along(const Path& path, double begin, double
 inline double time_at(const std::vector<double>& stations, double station) {
   const auto it = std::lower_bound(stations.begin(), stations.end(), station);
   return static_cast<double>(it - stations.begin()) * kControlStep;
+}
+
+/// The scenario of a car, still without a world.
+inline Scenario car_scenario(const Path& path, const std::vector<double>& stations,
+                             const GroundUnder& ground, Random random,
+                             std::vector<GnssOutage> covered = {}) {
+  return {
+      {}, vehicle_trajectory(path, stations, ground, random), car_mounting(), std::move(covered)};
 }
 
 /// The terrain under a path. Both must outlive the result.

@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "scenarios/road_drive.hpp"
-#include "scenarios/scenario.hpp"
-#include "sensors/mounting.hpp"
 #include "worlds/town_layout.hpp"
 #include "worlds/town_world.hpp"
 #include "worlds/traffic.hpp"
@@ -91,11 +89,8 @@ Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
   for (const double fraction : plan.halts) halts.push_back({fraction * path.length(), 4.0});
   const std::vector<double> stations =
       stations_along(path, kBeginOfDrive, plan.end_before, options.reverse, {}, halts);
-  Scenario scenario{
-      {},
-      vehicle_trajectory(path, stations, ground_along(path, terrain), Random(day, kMotion)),
-      car_mounting(),
-      {}};
+  Scenario scenario =
+      car_scenario(path, stations, ground_along(path, terrain), Random(day, kMotion));
   scenario.world.fixed = make_town_mesh(layout, terrain, Random(seed, kMesh), options.parked);
   if (options.movers) {
     Random random(day, kTraffic);

@@ -5,8 +5,6 @@
 #include "lidar_mapping/common/units.hpp"
 
 #include "scenarios/road_drive.hpp"
-#include "scenarios/scenario.hpp"
-#include "sensors/mounting.hpp"
 #include "worlds/buildings.hpp"
 #include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
@@ -118,11 +116,9 @@ Scenario make_tunnel(const DriveOptions& options) {
   const Terrain ground;
   const Path path = Path::rounded({{0.0, 0.0}, {250.0, 0.0}, {480.0, 70.0}, {630.0, 70.0}}, 320.0);
   const std::vector<double> stations = stations_along(path, 8.0, 8.0, false, {14.0, 2.4, 1.8});
-  Scenario scenario{
-      {},
-      vehicle_trajectory(path, stations, ground_along(path, ground), Random(options.seed, kMotion)),
-      car_mounting(),
-      {{time_at(stations, kPortalIn), time_at(stations, kPortalOut)}}};
+  Scenario scenario =
+      car_scenario(path, stations, ground_along(path, ground), Random(options.seed, kMotion),
+                   {{time_at(stations, kPortalIn), time_at(stations, kPortalOut)}});
   Random random(options.seed, kMesh);
   TriangleMesh& mesh = scenario.world.fixed;
   add_meadow(mesh, ground, {-120.0, -130.0}, {760.0, 200.0}, Random(random.bits()));
