@@ -212,6 +212,7 @@ json::Json verdicts(const json::Json& report) {
 }
 
 std::string overall_verdict(const json::Json& report) {
+  if (report["drive"]["key_frames"] == 0) return "There is no map: the session has no key frames";
   std::vector<std::string> faults;
   for (const json::Json& line : report["verdicts"]) {
     if (line["good"] != false) continue;

@@ -33,7 +33,7 @@ json::Json good_report() {
             {"p95_horizontal_m", 0.05},
             {"median_stated_sigma_m", 0.05}}},
           {"trajectory", {{"odometry_max_m", 0.3}, {"odometry_max_vertical_m", 0.1}}},
-          {"drive", {{"length_m", 1000.0}}},
+          {"drive", {{"key_frames", 50}, {"length_m", 1000.0}}},
           {"scans", {{"scans", 50}, {"dropped", 0}, {"states", {{"tracking", 50}}}}},
           {"uncertainty",
            {{"largest", {{"sigma_m", 0.1}, {"key_frame", 49}, {"x", 12.0}, {"y", -3.5}}},
@@ -157,6 +157,8 @@ TEST(ReportVerdicts, AreSummedUp) {
   EXPECT_EQ(overall_verdict(report),
             "Look at: Scans, Pose uncertainty; no place was driven twice, so only local quality "
             "could be judged");
+  report["drive"]["key_frames"] = 0;
+  EXPECT_EQ(overall_verdict(report), "There is no map: the session has no key frames");
 }
 
 }  // namespace
