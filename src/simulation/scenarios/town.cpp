@@ -31,6 +31,22 @@ struct TownPlan {
   std::uint64_t variant = 0;  ///< Distinguishes the worlds of different plans with the same seed.
 };
 
+/// The route including all crossings between those that are given.
+std::vector<Crossing> with_all_crossings(const std::vector<Crossing>& route) {
+  std::vector<Crossing> all = {route.front()};
+  for (const Crossing& next : route) {
+    while (all.back().column != next.column || all.back().row != next.row) {
+      Crossing step = all.back();
+      step.column += (next.column > step.column) - (next.column < step.column);
+      if (step.column == all.back().column) {
+        step.row += (next.row > step.row) - (next.row < step.row);
+      }
+      all.push_back(step);
+    }
+  }
+  return all;
+}
+
 void add_lanes(std::vector<TrafficLane>& lanes, const TownLayout& layout,
                std::vector<Crossing> crossings, double half_width) {
   for (int direction = 0; direction < 2; ++direction) {
@@ -48,32 +64,14 @@ void add_lanes(std::vector<TrafficLane>& lanes, const TownLayout& layout,
 std::vector<TrafficLane> traffic_lanes(const TownLayout& layout) {
   std::vector<TrafficLane> lanes;
   for (int row = 0; row < layout.rows(); ++row) {
-    std::vector<Crossing> crossings;
-    for (int column = 0; column < layout.columns(); ++column) crossings.push_back({column, row});
-    add_lanes(lanes, layout, std::move(crossings), layout.row_half_width(row));
+    add_lanes(lanes, layout, with_all_crossings({{0, row}, {layout.columns() - 1, row}}),
+              layout.row_half_width(row));
   }
   for (int column = 0; column < layout.columns(); ++column) {
-    std::vector<Crossing> crossings;
-    for (int row = 0; row < layout.rows(); ++row) crossings.push_back({column, row});
-    add_lanes(lanes, layout, std::move(crossings), layout.column_half_width(column));
+    add_lanes(lanes, layout, with_all_crossings({{column, 0}, {column, layout.rows() - 1}}),
+              layout.column_half_width(column));
   }
   return lanes;
-}
-
-/// The route including all crossings between those that are given.
-std::vector<Crossing> with_all_crossings(const std::vector<Crossing>& route) {
-  std::vector<Crossing> all = {route.front()};
-  for (const Crossing& next : route) {
-    while (all.back().column != next.column || all.back().row != next.row) {
-      Crossing step = all.back();
-      step.column += (next.column > step.column) - (next.column < step.column);
-      if (step.column == all.back().column) {
-        step.row += (next.row > step.row) - (next.row < step.row);
-      }
-      all.push_back(step);
-    }
-  }
-  return all;
 }
 
 Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
