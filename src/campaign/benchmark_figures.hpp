@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-#include <map>
+#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include "step_checker.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lidar_mapping/common/units.hpp"
 

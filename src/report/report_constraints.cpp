@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"

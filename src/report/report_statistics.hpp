@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
-#include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::report {
 

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 

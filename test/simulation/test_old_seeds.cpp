@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/simulation/drive.hpp"

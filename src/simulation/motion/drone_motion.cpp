@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/drone_motion.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lidar_mapping/common/units.hpp"

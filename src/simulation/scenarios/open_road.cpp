@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
-
 #include "lidar_mapping/common/units.hpp"
 
 #include "scenarios/road_drive.hpp"
-#include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
 #include "worlds/road_strip.hpp"
 #include "worlds/street_furniture.hpp"

@@ -6,7 +6,6 @@
 
 #include "scenarios/road_drive.hpp"
 #include "worlds/buildings.hpp"
-#include "worlds/ground.hpp"
 #include "worlds/palette.hpp"
 #include "worlds/road_strip.hpp"
 #include "worlds/street_furniture.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
-#include <cmath>
-
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
-#include <utility>
 
 #include <embree3/rtcore.h>
 #include <tbb/task_arena.h>

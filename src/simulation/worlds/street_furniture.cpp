@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "worlds/street_furniture.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lidar_mapping/common/rotations.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/world.hpp"
 

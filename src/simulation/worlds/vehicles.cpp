@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "worlds/vehicles.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "worlds/palette.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/simulation/world.hpp"
 
-#include <cmath>
-
 namespace lidar_mapping::simulation {
 
 std::optional<Pose> Mover::pose(double seconds) const {
