@@ -30,6 +30,14 @@ double number_of(const std::string& key, const std::string& text, double least, 
   throw ConfigError("case: " + key + "=" + text + range.str());
 }
 
+/// The same of a whole number.
+std::uint64_t whole_number_of(const std::string& key, const std::string& text, double least,
+                              double most) {
+  const double value = number_of(key, text, least, most);
+  if (value == std::floor(value)) return static_cast<std::uint64_t>(value);
+  throw ConfigError("case: " + key + "=" + text + " is not a whole number");
+}
+
 /// Shortest text of a number of few digits.
 std::string text_of(double value) {
   std::ostringstream stream;
@@ -50,7 +58,7 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
   } else if (key == "lidar") {
     result.lidar = value;
   } else if (key == "seed") {
-    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kMaxSeed));
+    result.seed = whole_number_of(key, value, 0.0, kMaxSeed);
   } else if (key == "start") {
     result.start = number_of(key, value, 0.0, kMaxDuration);
   } else if (key == "scan_rate") {
@@ -58,9 +66,9 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
   } else if (key == "range_noise") {
     result.range_noise = number_of(key, value, 0.0, 10.0);
   } else if (key == "every") {
-    result.every = static_cast<std::size_t>(number_of(key, value, 1.0, 1000.0));
+    result.every = whole_number_of(key, value, 1.0, 1000.0);
   } else if (key == "undistorted") {
-    result.undistorted = number_of(key, value, 0.0, 1.0) != 0.0;
+    result.undistorted = whole_number_of(key, value, 0.0, 1.0) == 1;
   } else if (key == "method") {
     result.method = value;
   } else if (key == "fault") {

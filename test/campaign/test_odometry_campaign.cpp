@@ -106,9 +106,10 @@ TEST(CampaignCases, AreReadAndWrittenAlike) {
         "undistorted=1 method=VGICP imu=consumer fault=outliers=0.15 fault=imu_gap=2,20"}) {
     EXPECT_EQ(to_line(parse_case(line)), line);
   }
-  for (const char* line : {"drive=town seed=1", "", "a fog=1", "a every=0", "a seed=x",
-                           "a fault=fog", "a drive", "a every=1e300", "a seed=-1", "a seed=1e30",
-                           "a start=1e300", "a scan_rate=0", "a range_noise=-1", "a imu=x"}) {
+  for (const char* line :
+       {"drive=town seed=1", "", "a fog=1", "a every=0", "a seed=x", "a fault=fog", "a drive",
+        "a every=1e300", "a seed=-1", "a seed=1e30", "a seed=0.5", "a every=1.5", "a start=1e300",
+        "a scan_rate=0", "a range_noise=-1", "a imu=x"}) {
     EXPECT_THROW(parse_case(line), ConfigError) << line;
   }
 }
