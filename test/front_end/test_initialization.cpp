@@ -355,6 +355,22 @@ TEST_F(Rematching, GivesUpASlowVehicleAfterSixSeconds) {
   EXPECT_TRUE(map_.empty());
 }
 
+// Tracking was lost while scans were matched again; the next map has too few scans for that.
+TEST_F(Rematching, BeginsAgainAfterItWasInterrupted) {
+  add(kScans);
+  EXPECT_FALSE(rematch());
+  EXPECT_FALSE(rematch()) << "some scans remain";
+  delayed_.start();
+  delayed_.add(matched_scan(0));
+  delayed_.set_inserted(sweeps()[0].dense);
+  EXPECT_FALSE(rematch());
+  MatchedScan late = matched_scan(0);
+  late.stamp += from_seconds(6.1);
+  delayed_.add(late);
+  EXPECT_TRUE(rematch()) << "none of the map before";
+  EXPECT_TRUE(delayed_.results().empty());
+}
+
 TEST(DelayedInitialization, StoresNothingUnlessStarted) {
   DelayedInitialization delayed(NeighborSearch::kDirect1);
   EXPECT_FALSE(delayed.is_active());

@@ -41,6 +41,7 @@ void DelayedInitialization::stop() {
   inserted_scans_ = 0;
   scans_.clear();
   filter_.reset();
+  remaining_ = 0;
   results_.clear();
 }
 
