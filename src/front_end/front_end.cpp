@@ -54,6 +54,7 @@ class FrontEnd::Impl {
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base) {
     odometry_.resume(next_index, next_segment);
     start_ = T_odom_base;
+    uses_measured_start_ = false;
   }
 
   PointCloud local_map() const { return base_frame_.in_odom(odometry_.local_map()); }

@@ -64,8 +64,8 @@ class FrontEnd {
   /// InputError if a scan was processed already.
   void set_initial_pose(const Pose& T_odom_base);
 
-  /// Continues after a restart of the program: the next scan begins a new segment at this pose, and
-  /// the next key frame has the index `next_index`.
+  /// Continues after a restart of the program: the next scan begins a new segment at this pose,
+  /// whatever other sensors measure, and the next key frame has the index `next_index`.
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base);
 
   /// Covariance of the newest T_odom_base of process(), in the axes of base_link: that of all steps
