@@ -69,6 +69,27 @@ TEST(Coasting, ContinuesTheMotionWithGrowingCovariance) {
   EXPECT_GT(std::sqrt(last_variance), 1.5) << "a vehicle that brakes is that far off after 1 s";
 }
 
+TEST(Coasting, KeepsWhatIsKnownOfTheDrive) {
+  TrackedScan tracked;
+  tracked.status.map_points_dropped = 7;
+  tracked.status.unobserved_stddev = 0.3;
+  tracked.status.elevation_shift = 0.003;
+  tracked.status.stamp_jitter = 0.02;
+  tracked.status.sweep_times.source = SweepTimes::kNegated;
+  tracked.status.gyro_distrusted = true;
+  tracked.status.unseen_way = 5.0;
+  tracked.status.overlap = 0.9;
+  const FrontEndStatus status = coasted(tracked, 0.1).status;
+  EXPECT_EQ(status.map_points_dropped, 7U);
+  EXPECT_EQ(status.unobserved_stddev, 0.3);
+  EXPECT_EQ(status.elevation_shift, 0.003);
+  EXPECT_EQ(status.stamp_jitter, 0.02);
+  EXPECT_EQ(status.sweep_times.source, SweepTimes::kNegated);
+  EXPECT_TRUE(status.gyro_distrusted);
+  EXPECT_EQ(status.unseen_way, 5.0);
+  EXPECT_EQ(status.overlap, 0.0) << "nothing was matched";
+}
+
 // A simulated sensor without noise that stands still sees the same points again and again.
 TEST(Coasting, IsNotLostAtRest) {
   TrackedScan tracked;

@@ -20,6 +20,19 @@ bool is_at_rest(const Vector6d& twist) {
   return twist.head<3>().norm() < kRestSpeed && twist.tail<3>().norm() < kRestTurn;
 }
 
+/// What the status of a scan tells of the drive so far, not of the match of that scan.
+FrontEndStatus status_of_drive(const FrontEndStatus& before) {
+  FrontEndStatus status;
+  status.map_points_dropped = before.map_points_dropped;
+  status.unobserved_stddev = before.unobserved_stddev;
+  status.elevation_shift = before.elevation_shift;
+  status.stamp_jitter = before.stamp_jitter;
+  status.sweep_times = before.sweep_times;
+  status.gyro_distrusted = before.gyro_distrusted;
+  status.unseen_way = before.unseen_way;
+  return status;
+}
+
 }  // namespace
 
 TrackedScan coasted(const TrackedScan& tracked, double seconds) {
@@ -32,12 +45,10 @@ TrackedScan coasted(const TrackedScan& tracked, double seconds) {
                          diagonal_covariance(half_time_squared * kAcceleration,
                                              half_time_squared * kAngularAcceleration));
   result.acceleration.setZero();
-  result.status = {};
+  result.status = status_of_drive(tracked.status);
   result.status.state = is_at_rest(tracked.twist) ? TrackingState::kDegraded : TrackingState::kLost;
   result.status.repeated = true;
   result.status.probability = 0.0;
-  result.status.unobserved_stddev = tracked.status.unobserved_stddev;
-  result.status.elevation_shift = tracked.status.elevation_shift;
   result.new_segment = result.provisional = false;
   result.revisions.clear();
   return result;
