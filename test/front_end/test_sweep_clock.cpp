@@ -76,6 +76,28 @@ TEST(SweepClock, CountsTurnsOverMissingScans) {
   EXPECT_GT(found.jitter, 0.01);
 }
 
+// A stamp that is off by more than half a turn when counting begins, with the 16th sweep, must not
+// put two sweeps into one turn: the time between them would be zero.
+TEST(SweepClock, CountsOneTurnBetweenAnySweeps) {
+  const auto scattered = [](int i) { return i % 3 == 2 ? 0.02 : i % 3 == 0 ? -0.015 : 0.0; };
+  const auto last_is_early = [&](int i) { return i == 15 ? -0.06 : scattered(i); };
+  const auto previous_is_late = [&](int i) {
+    return i == 14 ? 0.06 : i == 15 ? -0.02 : scattered(i);
+  };
+  for (const std::function<double(int)>& error :
+       {std::function<double(int)>(last_is_early), std::function<double(int)>(previous_is_late)}) {
+    SweepClock clock;
+    for (int i = 0; i < 30; ++i) {
+      const Stamp stamp = from_seconds(1000.0 + kPeriod * i + error(i));
+      const double seconds = clock.advance(stamp, 0.5 * kSweep, kSweep);
+      if (i >= 15) {
+        EXPECT_NEAR(seconds, kPeriod, 0.001) << i;
+      }
+    }
+    EXPECT_GT(clock.jitter(), 0.01);
+  }
+}
+
 // A view of 300 degrees: the sweep is shorter than the turn, which shows in the stamps.
 TEST(SweepClock, FindsThePeriodOfShorterSweeps) {
   EXPECT_LT(times(scatter(0.02), 0.083).largest_error, 0.004);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <utility>
 
 #include "lidar_mapping/common/order_statistics.hpp"
@@ -153,18 +152,29 @@ void SweepClock::search_period(double min_period, double typical_period) {
   if (best > 0.0) count_turns(best);
 }
 
-double SweepClock::phase_power(const std::deque<Sweep>& sweeps, double period) {
+std::complex<double> SweepClock::phase_sum(const std::deque<Sweep>& sweeps, double period) {
   std::complex<double> sum;
   for (const Sweep& s : sweeps) sum += std::polar(1.0, phase_angle(s.middle, period));
-  return std::norm(sum) / static_cast<double>(sweeps.size());
+  return sum;
 }
 
-/// Assigns a turn to all sweeps of the window, from their mean phase.
+double SweepClock::phase_power(const std::deque<Sweep>& sweeps, double period) {
+  return std::norm(phase_sum(sweeps, period)) / static_cast<double>(sweeps.size());
+}
+
+/// Assigns a turn to all sweeps of the window, from their mean phase. A sweep whose stamp is off by
+/// more than half a turn falls into the turn of its neighbour: of the two, the one that is farther
+/// from the middle of that turn belongs to the turn before it or after it.
 void SweepClock::count_turns(double period) {
-  std::complex<double> sum;
-  for (const Sweep& s : window_) sum += std::polar(1.0, phase_angle(s.middle, period));
-  const double begin = std::arg(sum) / (2.0 * kPi) * period;
+  const double begin = std::arg(phase_sum(window_, period)) / (2.0 * kPi) * period;
   for (Sweep& s : window_) s.turn = std::round((s.middle - begin) / period);
+  for (std::size_t i = 1; i < window_.size(); ++i) {
+    Sweep& before = window_[i - 1];
+    Sweep& sweep = window_[i];
+    if (sweep.turn != before.turn) continue;
+    const bool is_early = sweep.middle + before.middle > 2.0 * (begin + period * sweep.turn);
+    (is_early ? sweep.turn : before.turn) += is_early ? 1.0 : -1.0;
+  }
   fit();
 }
 

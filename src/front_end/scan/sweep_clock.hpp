@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <deque>
 #include <vector>
 
@@ -46,6 +47,7 @@ class SweepClock {
   bool is_drifting(bool was_active) const;
   void find_period();
   void search_period(double min_period, double typical_period);
+  static std::complex<double> phase_sum(const std::deque<Sweep>& sweeps, double period);
   static double phase_power(const std::deque<Sweep>& sweeps, double period);
   void count_turns(double period);
   void fit();
