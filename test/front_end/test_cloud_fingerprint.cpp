@@ -43,6 +43,17 @@ TEST(RepeatedScans, IgnoreIntensitiesAndTheLastBits) {
   EXPECT_TRUE(scans.is_repeated(cloud));
 }
 
+// A cloud of 16 rings that is stored firing by firing; the first ring sees only the sky.
+TEST(RepeatedScans, AreNotMistakenForScansWithARingWithoutPoints) {
+  PointCloud cloud = cloud_of(16 * 1792);
+  for (std::size_t i = 0; i < cloud.size(); i += 16)
+    cloud.points[i].x = cloud.points[i].y = std::numeric_limits<float>::quiet_NaN();
+  RepeatedScans scans;
+  EXPECT_FALSE(scans.is_repeated(cloud));
+  for (Point& point : cloud.points) point.x += 0.5F;
+  EXPECT_FALSE(scans.is_repeated(cloud));
+}
+
 TEST(RepeatedScans, AreNotDetectedIfNearlyEmpty) {
   RepeatedScans scans;
   EXPECT_FALSE(scans.is_repeated(cloud_of(10)));

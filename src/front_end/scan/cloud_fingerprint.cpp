@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/cloud_fingerprint.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -33,7 +32,8 @@ std::uint64_t rounded(float coordinate) {
 std::uint64_t cloud_fingerprint(const PointCloud& cloud) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   combine_hash(cloud.size(), hash);
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
+  // Odd, so that it visits all rings: one that sees only the sky has no points that could differ.
+  const std::size_t step = (cloud.size() / kSampledPoints) | 1U;
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     const Point& point = cloud.points[i];
     for (const float coordinate : {point.x, point.y, point.z})
