@@ -21,88 +21,75 @@ Pose pose_of(const Vector6d& values) {
 class FrontEnd::Impl {
  public:
   explicit Impl(const FrontEndConfig& config)
-      : odometry_(config), uses_measured_start_(config.odometry == OdometrySource::kLidar) {
-    const Eigen::Map<const Vector6d> given(config.initial_pose.data());
-    if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
-  }
+      : odometry(config), uses_measured_start(config.odometry == OdometrySource::kLidar) {}
 
-  void set_initial_pose(const Pose& T_odom_base) {
-    if (odometry_.has_begun()) {
-      throw InputError("an initial pose after the first scan; give it before, or restart");
-    }
-    start_ = T_odom_base;
-    uses_measured_start_ = false;
-  }
-
-  void set_sensor_pose(const Pose& T_base_sensor) {
-    odometry_.set_viewpoint_at_origin();
-    base_frame_.set_sensor_pose(T_base_sensor);
-  }
-
-  FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
-    if (start_) set_start(prior);
-    const MotionPrior own_prior = base_frame_.of_sensor(prior, odometry_.angular_velocity());
-    FrontEndResult result = base_frame_.of_base(odometry_.process(scan, own_prior));
-    update_pose_covariance(result);
-    return result;
-  }
-
-  const Covariance6& pose_covariance() const { return pose_covariance_; }
-
-  std::vector<FrontEndResult> finalize() { return base_frame_.of_base(odometry_.finalize()); }
-
-  void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base) {
-    odometry_.resume(next_index, next_segment);
-    start_ = T_odom_base;
-    uses_measured_start_ = false;
-  }
-
-  PointCloud local_map() const { return base_frame_.in_odom(odometry_.local_map()); }
-
- private:
   /// A start pose given by the user has priority over the values of other sensors.
   void set_start(const MotionPrior& prior) {
-    const bool uses_measured_start = uses_measured_start_ && prior.T_odom_base_initial;
-    base_frame_.set_start(uses_measured_start ? *prior.T_odom_base_initial : *start_);
-    start_.reset();
+    const bool is_measured = uses_measured_start && prior.T_odom_base_initial;
+    base_frame.set_start(is_measured ? *prior.T_odom_base_initial : *start);
+    start.reset();
   }
 
   void update_pose_covariance(const FrontEndResult& result) {
-    if (newest_pose_) {
-      pose_covariance_ = compose_covariance(
-          pose_covariance_, newest_pose_->inverse() * result.T_odom_base, result.covariance);
+    if (newest_pose) {
+      pose_covariance = compose_covariance(
+          pose_covariance, newest_pose->inverse() * result.T_odom_base, result.covariance);
     }
-    newest_pose_ = result.T_odom_base;
+    newest_pose = result.T_odom_base;
   }
 
-  SensorOdometry odometry_;
-  BaseFrame base_frame_;
-  std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, set until the first scan
-  bool uses_measured_start_;  ///< whether a start pose measured by other sensors is used
-  std::optional<Pose> newest_pose_;
-  Covariance6 pose_covariance_ = Covariance6::Zero();  ///< of newest_pose_
+  SensorOdometry odometry;
+  BaseFrame base_frame;
+  std::optional<Pose> start = Pose::Identity();  ///< T_odom_base, set until the first scan
+  bool uses_measured_start;  ///< whether a start pose measured by other sensors is used
+  std::optional<Pose> newest_pose;
+  Covariance6 pose_covariance = Covariance6::Zero();  ///< of newest_pose
 };
 
-FrontEnd::FrontEnd(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+FrontEnd::FrontEnd(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {
+  const Eigen::Map<const Vector6d> given(config.initial_pose.data());
+  if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
+}
+
 FrontEnd::~FrontEnd() = default;
 
 FrontEndResult FrontEnd::process(const Scan& scan, const MotionPrior& prior) {
-  return impl_->process(scan, prior);
+  if (impl_->start) impl_->set_start(prior);
+  const MotionPrior own_prior =
+      impl_->base_frame.of_sensor(prior, impl_->odometry.angular_velocity());
+  FrontEndResult result = impl_->base_frame.of_base(impl_->odometry.process(scan, own_prior));
+  impl_->update_pose_covariance(result);
+  return result;
 }
 
-std::vector<FrontEndResult> FrontEnd::finalize() { return impl_->finalize(); }
+std::vector<FrontEndResult> FrontEnd::finalize() {
+  return impl_->base_frame.of_base(impl_->odometry.finalize());
+}
 
-void FrontEnd::set_sensor_pose(const Pose& T_base_sensor) { impl_->set_sensor_pose(T_base_sensor); }
+void FrontEnd::set_sensor_pose(const Pose& T_base_sensor) {
+  impl_->odometry.set_viewpoint_at_origin();
+  impl_->base_frame.set_sensor_pose(T_base_sensor);
+}
 
-void FrontEnd::set_initial_pose(const Pose& T_odom_base) { impl_->set_initial_pose(T_odom_base); }
+void FrontEnd::set_initial_pose(const Pose& T_odom_base) {
+  if (impl_->odometry.has_begun()) {
+    throw InputError("an initial pose after the first scan; give it before, or restart");
+  }
+  impl_->start = T_odom_base;
+  impl_->uses_measured_start = false;
+}
 
 void FrontEnd::resume(KeyFrameIndex next_index, std::uint32_t next_segment,
                       const Pose& T_odom_base) {
-  impl_->resume(next_index, next_segment, T_odom_base);
+  impl_->odometry.resume(next_index, next_segment);
+  impl_->start = T_odom_base;
+  impl_->uses_measured_start = false;
 }
 
-Covariance6 FrontEnd::pose_covariance() const { return impl_->pose_covariance(); }
+Covariance6 FrontEnd::pose_covariance() const { return impl_->pose_covariance; }
 
-PointCloud FrontEnd::local_map() const { return impl_->local_map(); }
+PointCloud FrontEnd::local_map() const {
+  return impl_->base_frame.in_odom(impl_->odometry.local_map());
+}
 
 }  // namespace lidar_mapping::front_end
