@@ -102,22 +102,13 @@ void MotionFilter::AccelerationSigma::update(double acceleration) {
 }
 
 void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma) {
-  state_ = {pose, Vector6d::Zero()};
-  forecast_ = TwistPredictor(linear_.max_sigma);
-  corrected_ = false;
-  acceleration_.setZero();
-  last_corrected_ = state_;
-  has_match_ = false;
-  previous_match_.reset();
-  since_corrected_ = 0.0;
+  Matrix12d covariance = Matrix12d::Zero();
+  // The first pose is known by definition.
+  covariance.topLeftCorner<6, 6>() = diagonal_covariance(1e-4, 1e-5);
+  covariance.bottomRightCorner<6, 6>() = diagonal_covariance(speed_sigma, rate_sigma);
+  restart({pose, Vector6d::Zero()}, covariance);
   linear_.sigma = kMinAccelerationFraction * linear_.max_sigma;
   angular_.sigma = kMinAccelerationFraction * angular_.max_sigma;
-  step_seconds_ = 0.0;
-  turning_measured_ = false;
-  // The first pose is known by definition.
-  covariance_.setZero();
-  covariance_.topLeftCorner<6, 6>() = diagonal_covariance(1e-4, 1e-5);
-  covariance_.bottomRightCorner<6, 6>() = diagonal_covariance(speed_sigma, rate_sigma);
 }
 
 void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance) {

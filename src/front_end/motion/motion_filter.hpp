@@ -70,10 +70,9 @@ class MotionFilter {
   void reset(const Pose& pose, double speed_sigma, double rate_sigma);
   /// Continues from this state. The learned size of accelerations is kept.
   void restart(const MotionState& state, const Matrix12d& covariance);
-  /// Predicts the state `seconds` later, or earlier if they are negative.
-  void predict(double seconds) { predict(seconds, std::nullopt); }
-  /// The same with a measured rotation, if there is one: it replaces the forecast of the rotation.
-  void predict(double seconds, const std::optional<MeasuredTurning>& turning);
+  /// Predicts the state `seconds` later, or earlier if they are negative. A measured rotation, if
+  /// there is one, replaces the forecast of the rotation.
+  void predict(double seconds, const std::optional<MeasuredTurning>& turning = std::nullopt);
   /// The last prediction, but without measured rotation.
   const MotionState& forecast_state() const { return forecast_state_; }
   /// The same filter with the largest accelerations: for a motion that differs from all recent
