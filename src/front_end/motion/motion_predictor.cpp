@@ -7,6 +7,13 @@
 #include <Eigen/LU>
 
 namespace lidar_mapping::front_end {
+namespace {
+
+// Chosen: the sigma is large because measured rates refer to the stamp, and the filter's state to
+// the middle of the sweep.
+constexpr double kGyroSigma = 0.1;  // rad/s
+
+}  // namespace
 
 Eigen::Matrix3d velocity_covariance(const Matrix12d& covariance) {
   return covariance.block<3, 3>(6, 6);
@@ -34,10 +41,26 @@ PredictedMotion MotionPredictor::predict(const MotionFilter& filter, const Motio
   MotionFilter high_noise = filter.with_high_process_noise();
   for (MotionFilter* each : {&nominal, &high_noise}) each->predict(seconds, turning);
   const Eigen::Matrix3d before_measurement = velocity_covariance(nominal.covariance());
-  for (MotionFilter* each : {&nominal, &high_noise}) measured_.apply(remaining, *each);
-  const Prediction beliefs{nominal.belief(), measured_.belief_with_velocity(prior, nominal),
+  for (MotionFilter* each : {&nominal, &high_noise}) apply_measurements(remaining, *each);
+  const Prediction beliefs{nominal.belief(), belief_with_velocity(prior, nominal),
                            high_noise.belief()};
   return {nominal, high_noise, beliefs, filter.state().T_map_sensor.rotation, before_measurement};
+}
+
+void MotionPredictor::apply_measurements(const MotionPrior& prior, MotionFilter& filter) const {
+  if (prior.angular_velocity) filter.measure_rate(*prior.angular_velocity, kGyroSigma);
+  if (prior.linear_velocity) {
+    filter.measure_velocity(velocity_.corrected(*prior.linear_velocity),
+                            velocity_.cautious_sigma(prior.linear_velocity->norm()));
+  }
+}
+
+registration::MotionBelief MotionPredictor::belief_with_velocity(const MotionPrior& prior,
+                                                                 MotionFilter filter) const {
+  if (prior.linear_velocity) {
+    filter.measure_velocity(velocity_.corrected(*prior.linear_velocity), velocity_.usual_sigma());
+  }
+  return filter.belief();
 }
 
 void MotionPredictor::learn_rotation(const PredictedMotion& predicted, const MotionFilter& filter,
@@ -55,7 +78,7 @@ void MotionPredictor::learn_contradiction(const SweepSmoother& smoother, const M
 }
 
 void MotionPredictor::learn_velocity(const MotionPrior& prior, const MotionState& matched) {
-  measured_.update(prior, matched.twist.head<3>());
+  if (prior.linear_velocity) velocity_.update(*prior.linear_velocity, matched.twist.head<3>());
 }
 
 }  // namespace lidar_mapping::front_end

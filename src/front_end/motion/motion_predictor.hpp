@@ -9,9 +9,9 @@
 
 #include "matching/sweep_matcher.hpp"
 #include "motion/gyro_validator.hpp"
-#include "motion/measured_motion.hpp"
 #include "motion/motion_filter.hpp"
 #include "motion/sweep_smoother.hpp"
+#include "motion/velocity_validator.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -53,8 +53,15 @@ class MotionPredictor {
   bool is_gyro_distrusted() const { return gyro_.is_distrusted(); }
 
  private:
+  /// Applies angular rate and velocity; the velocity is weighted as one that may have become wrong
+  /// just now.
+  void apply_measurements(const MotionPrior& prior, MotionFilter& filter) const;
+  /// The filter's belief after applying the measured velocity with its usual accuracy.
+  registration::MotionBelief belief_with_velocity(const MotionPrior& prior,
+                                                  MotionFilter filter) const;
+
   GyroValidator gyro_;
-  MeasuredMotion measured_;
+  VelocityValidator velocity_;
 };
 
 }  // namespace lidar_mapping::front_end
