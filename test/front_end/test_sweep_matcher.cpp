@@ -142,8 +142,8 @@ TEST_F(SweepMatcherAtACorner, LeavesGivenDirectionsToThePrediction) {
   const auto off_in = [&](const NdtMatch& match) -> Eigen::Vector3d {
     return kTruth.inverse() * match.state.T_map_sensor.translation;
   };
-  const auto found =
-      matcher_.match_without(points_, map_, belief_in(start), {Eigen::Vector3d::UnitX()});
+  const auto found = matcher_.match_without(points_, map_, belief_in(start),
+                                            {start, Vector6d::Zero()}, {Eigen::Vector3d::UnitX()});
   ASSERT_EQ(found.degenerate_directions.size(), 1U);
   EXPECT_FALSE(found.rescued);
   EXPECT_NEAR(off_in(found.match).x(), 0.3, 0.1) << "of the prediction";

@@ -115,34 +115,28 @@ SweepMatcher::Found SweepMatcher::match_observed_directions(const NdtMatch& matc
                                                             const MotionBelief& for_unobserved) {
   const std::vector<Eigen::Vector3d> degenerate = degenerate_directions(match.pose_hessian);
   if (degenerate.empty()) return {match, {}, false};
-  return {match_without_from(match.state, points, map, for_unobserved, degenerate), degenerate,
-          false};
+  return match_without(points, map, for_unobserved, match.state, degenerate);
 }
 
 SweepMatcher::Found SweepMatcher::match_without(const NdtPoints& points, LocalMap& map,
-                                                const MotionBelief& prediction,
+                                                const MotionBelief& prior, const MotionState& start,
                                                 const std::vector<Eigen::Vector3d>& directions) {
-  return {match_without_from(prediction.state, points, map, prediction, directions), directions,
-          false};
-}
-
-NdtMatch SweepMatcher::match_without_from(const MotionState& start, const NdtPoints& points,
-                                          LocalMap& map, const MotionBelief& prior,
-                                          const std::vector<Eigen::Vector3d>& directions) {
-  NdtOptions options;
-  options.neighbor_search = neighbors_;
+  NdtOptions options = fine_options();
   options.blind_directions = directions;
-  options.parts = true;
   const NdtMatch fine = matcher_.match(points, map.fine(), prior, start, options);
-  return coarse_if_sparse(fine, points, map, prior, directions);
+  return {coarse_if_sparse(fine, points, map, prior, directions), directions, false};
 }
 
 NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,
                               const MotionState& start) {
+  return matcher_.match(points, map.fine(), prior, start, fine_options());
+}
+
+NdtOptions SweepMatcher::fine_options() const {
   NdtOptions options;
   options.neighbor_search = neighbors_;
   options.parts = true;
-  return matcher_.match(points, map.fine(), prior, start, options);
+  return options;
 }
 
 NdtMatch SweepMatcher::coarse_if_sparse(const NdtMatch& fine, const NdtPoints& points,
@@ -190,10 +184,8 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
   }
   keep_distinct(found);
   keep_best(found, kFinalists);
-  NdtOptions options;
-  options.neighbor_search = neighbors_;
+  NdtOptions options = fine_options();
   options.max_iterations = kFinalIterations;
-  options.parts = true;
   for (NdtMatch& match : found) {
     match = matcher_.match(points, map.fine(), prior, match.state, options);
   }

@@ -47,10 +47,11 @@ class SweepMatcher {
   registration::NdtMatch refine(const registration::NdtPoints& points, LocalMap& map,
                                 const registration::MotionBelief& prior,
                                 const registration::MotionState& start);
-  /// The match that starts at a prediction, without the information of the points about translation
-  /// along these directions (unit vectors, in the sensor's axes).
+  /// The same without the information of the points about translation along these directions (unit
+  /// vectors, in the sensor's axes).
   Found match_without(const registration::NdtPoints& points, LocalMap& map,
-                      const registration::MotionBelief& prediction,
+                      const registration::MotionBelief& prior,
+                      const registration::MotionState& start,
                       const std::vector<Eigen::Vector3d>& directions);
 
  private:
@@ -59,10 +60,8 @@ class SweepMatcher {
   Found match_observed_directions(const registration::NdtMatch& match,
                                   const registration::NdtPoints& points, LocalMap& map,
                                   const registration::MotionBelief& for_unobserved);
-  registration::NdtMatch match_without_from(const registration::MotionState& start,
-                                            const registration::NdtPoints& points, LocalMap& map,
-                                            const registration::MotionBelief& prior,
-                                            const std::vector<Eigen::Vector3d>& directions);
+  /// Options of a match with the fine map.
+  registration::NdtOptions fine_options() const;
   /// The match or, as long as the fine map is too sparse to match with, a coarse match that starts
   /// there.
   registration::NdtMatch coarse_if_sparse(const registration::NdtMatch& fine,

@@ -37,7 +37,8 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   } else {
     const PredictedMotion predicted = predict(step);
     const StepMatch match = match_scan(step, predicted);
-    const StepBelief belief = judge(step, match, result.status);
+    const StepBelief belief =
+        judge_.judge(match, state_, sweep_, state_.lost_time + step.seconds, result.status);
     if (result.status.state == TrackingState::kLost) {
       recover(step, result);
     } else if (!state_.motion_known && initialization_.replaces_first_scan(belief)) {
@@ -97,12 +98,8 @@ StepMatch NdtTracker::match_from_vertical_structure(const MotionFilter& recovere
   initialization_.finalize();
   judge_.reset_usual_quality();
   const MotionBelief prior = recovered.belief();
-  return {matcher_.match_without(sweep_.points(), state_.map, prior, kLevelDirections), prior,
-          true};
-}
-
-StepBelief NdtTracker::judge(const Step& step, const StepMatch& match, FrontEndStatus& status) {
-  return judge_.judge(match, state_, sweep_, state_.lost_time + step.seconds, status);
+  return {matcher_.match_without(sweep_.points(), state_.map, prior, prior.state, kLevelDirections),
+          prior, true};
 }
 
 void NdtTracker::update(const Step& step, const PredictedMotion& predicted, const StepMatch& match,

@@ -43,7 +43,6 @@ class NdtTracker : public Tracker {
   TrackedScan begin_result() const;
   PredictedMotion predict(const Step& step);
   StepMatch match_scan(const Step& step, const PredictedMotion& predicted);
-  StepBelief judge(const Step& step, const StepMatch& match, FrontEndStatus& status);
   void update(const Step& step, const PredictedMotion& predicted, const StepMatch& match,
               TrackedScan& result);
   void finish(TrackedScan& result);
