@@ -32,13 +32,6 @@ constexpr double kMinOverlap = 0.45;
 constexpr double kOverlapExponent = 8.0;
 constexpr double kInitialVarianceFactor = 2.5;
 
-// Two scans that see the same part of the map have the same error. When new parts, which were
-// inserted at the previous poses, come into view, the errors become different and then accumulate:
-// measured on simulated drives.
-constexpr double kSharedMapFactor = 0.3;  // of the variance of two independent poses
-constexpr double kNewMapDistance = 1.5;   // m
-constexpr double kNewMapAngle = 0.02;     // rad
-
 }  // namespace
 
 double credible_residual_variance(const NdtMatch& match) {
@@ -60,14 +53,6 @@ Matrix12d doubt_covariance(const registration::MotionState& matched,
                            const registration::MotionBelief& prediction, double probability) {
   const registration::Vector12d d = difference(matched, prediction.state);
   return (1.0 - probability) * (d * d.transpose() + prediction.information.inverse());
-}
-
-Covariance6 motion_covariance(const Covariance6& of_from, double from_factor, const Pose& T_from_to,
-                              const Covariance6& of_to, double to_factor) {
-  const double drift = T_from_to.translation.norm() / kNewMapDistance +
-                       rotation_angle(T_from_to.rotation) / kNewMapAngle;
-  return compose_covariance((kSharedMapFactor + from_factor * drift) * of_from, T_from_to,
-                            (kSharedMapFactor + to_factor * drift) * of_to);
 }
 
 }  // namespace lidar_mapping::front_end

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 namespace lidar_mapping::front_end {
@@ -19,11 +18,6 @@ registration::Matrix12d reported_covariance(const registration::NdtMatch& match)
 /// the errors that become different between two scans while the sensor moves on. The map's own
 /// error is not included, because two scans that see the same part of the map share it.
 double initial_drift_variance_factor(const registration::NdtMatch& match);
-
-/// Covariance of a motion T_from_to between two scans, from the reported covariances of both poses
-/// and from the drift variance factors of their maps (1: the usual drift).
-Covariance6 motion_covariance(const Covariance6& of_from, double from_factor, const Pose& T_from_to,
-                              const Covariance6& of_to, double to_factor);
 
 /// Additional covariance of a match that is correct only with this probability, where otherwise the
 /// prediction is correct: the second moment of this mixture about the match.

@@ -32,6 +32,17 @@ registration::PlaneModel coarse_model() {
   return model;
 }
 
+void insert_thinned(SampledPoints& points, std::size_t thinning,
+                    registration::GaussianVoxelMap& map) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += thinning, ++kept) {
+    points.x[kept] = points.x[i];
+    points.y[kept] = points.y[i];
+    points.z[kept] = points.z[i];
+  }
+  map.insert(points.x.data(), points.y.data(), points.z.data(), kept);
+}
+
 }  // namespace
 
 // The products are written out so that the compiler can vectorise the loop.
@@ -67,21 +78,6 @@ void transform_points(const SampledPoints& points, const registration::MotionSta
     qz[i] = R(2, 0) * x + R(2, 1) * y + R(2, 2) * z + t.z();
   }
 }
-
-namespace {
-
-void insert_thinned(SampledPoints& points, std::size_t thinning,
-                    registration::GaussianVoxelMap& map) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < points.size(); i += thinning, ++kept) {
-    points.x[kept] = points.x[i];
-    points.y[kept] = points.y[i];
-    points.z[kept] = points.z[i];
-  }
-  map.insert(points.x.data(), points.y.data(), points.z.data(), kept);
-}
-
-}  // namespace
 
 LocalMap::LocalMap(double voxel_size, double radius)
     : radius_(radius),

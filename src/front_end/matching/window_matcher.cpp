@@ -21,22 +21,18 @@ void WindowMatcher::insert(const Pose& T_odom_base, PointCloud cloud) {
 }
 
 WindowMatcher::Match WindowMatcher::match(const PointCloud& scan, const Pose& T_odom_base_start) {
-  return {align(scan, T_odom_base_start), false};
-}
-
-WindowMatcher::Match WindowMatcher::best_of(Match match, const PointCloud& scan,
-                                            const std::vector<Pose>& starts) {
-  for (const Pose& start : starts) {
-    const RegistrationResult result = align(scan, start);
-    if (result.inlier_fraction > match.result.inlier_fraction) match = {result, true};
-  }
-  return match;
-}
-
-RegistrationResult WindowMatcher::align(const PointCloud& scan, const Pose& T_odom_base_start) {
   RegistrationResult result = registration_->align(scan, T_odom_map_.inverse() * T_odom_base_start);
   result.T_target_source = T_odom_map_ * result.T_target_source;
-  return result;
+  return {result, false};
+}
+
+WindowMatcher::Match WindowMatcher::best_of(Match best, const PointCloud& scan,
+                                            const std::vector<Pose>& starts) {
+  for (const Pose& start : starts) {
+    const RegistrationResult result = match(scan, start).result;
+    if (result.inlier_fraction > best.result.inlier_fraction) best = {result, true};
+  }
+  return best;
 }
 
 }  // namespace lidar_mapping::front_end

@@ -33,11 +33,9 @@ class WindowMatcher {
   /// Aligns a scan from this pose.
   Match match(const PointCloud& scan, const Pose& T_odom_base_start);
   /// The best of this match and those from other starting poses.
-  Match best_of(Match match, const PointCloud& scan, const std::vector<Pose>& starts);
+  Match best_of(Match best, const PointCloud& scan, const std::vector<Pose>& starts);
 
  private:
-  registration::RegistrationResult align(const PointCloud& scan, const Pose& T_odom_base_start);
-
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
   Pose T_odom_map_;  ///< frame of the registration's target
