@@ -38,11 +38,7 @@ SampledPoints scan_from(const Pose& T_yard_sensor, unsigned seed, double error,
                     : Eigen::Vector3d(20.0 * along, 15.0 * side, up);
     }
     p += Eigen::Vector3d(noise(engine), noise(engine), noise(engine));
-    const Eigen::Vector3d q = T_yard_sensor.inverse() * p;
-    points.x.push_back(static_cast<float>(q.x()));
-    points.y.push_back(static_cast<float>(q.y()));
-    points.z.push_back(static_cast<float>(q.z()));
-    points.s.push_back(0.0F);
+    points.push_back((T_yard_sensor.inverse() * p).cast<float>(), 0.0F);
   }
   rotate_upwards(points, -error);
   return points;

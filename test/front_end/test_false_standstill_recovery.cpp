@@ -7,23 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "near.hpp"
+#include "sampled_points.hpp"
 #include "start/false_standstill_recovery.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
-
-SampledPoints sampled(const Points& points) {
-  SampledPoints sampled;
-  for (const Eigen::Vector3f& p : points) {
-    sampled.x.push_back(p.x());
-    sampled.y.push_back(p.y());
-    sampled.z.push_back(p.z());
-    sampled.s.push_back(0.0F);
-  }
-  return sampled;
-}
 
 /// Points up a pole.
 void add_pole(float x, float y, Points& points) {

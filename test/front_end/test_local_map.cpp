@@ -10,6 +10,7 @@
 
 #include "local_map/local_map.hpp"
 #include "near.hpp"
+#include "sampled_points.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -18,17 +19,6 @@ using registration::MotionState;
 
 constexpr double kVoxel = 1.0;    // m
 constexpr double kRadius = 40.0;  // m
-
-SampledPoints sampled(const std::vector<Eigen::Vector3f>& points, float seconds = 0.0F) {
-  SampledPoints result;
-  for (const Eigen::Vector3f& p : points) {
-    result.x.push_back(p.x());
-    result.y.push_back(p.y());
-    result.z.push_back(p.z());
-    result.s.push_back(seconds);
-  }
-  return result;
-}
 
 /// Random points within 20 m of the sensor.
 std::vector<Eigen::Vector3f> surroundings(std::size_t count) {

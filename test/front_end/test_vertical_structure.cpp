@@ -12,6 +12,7 @@
 
 #include "local_map/vertical_structure_search.hpp"
 #include "near.hpp"
+#include "sampled_points.hpp"
 #include "scan/displaced.hpp"
 
 namespace lidar_mapping::front_end {
@@ -19,17 +20,6 @@ namespace {
 
 using Point = Eigen::Vector3f;
 using Points = std::vector<Point>;
-
-SampledPoints sampled(const Points& points, float seconds = 0.0F) {
-  SampledPoints result;
-  for (const Point& p : points) {
-    result.x.push_back(p.x());
-    result.y.push_back(p.y());
-    result.z.push_back(p.z());
-    result.s.push_back(seconds);
-  }
-  return result;
-}
 
 /// Points up a pole, one for each voxel of the map.
 Points pole(float x, float y, int count = 6) {

@@ -40,13 +40,6 @@ float distance_to_line(const Eigen::Vector3f& p, const Eigen::Vector3f& a,
   return (p - a).cross(b - a).norm() / (b - a).norm();
 }
 
-void push(const Eigen::Vector3f& p, float time, SampledPoints& points) {
-  points.x.push_back(p.x());
-  points.y.push_back(p.y());
-  points.z.push_back(p.z());
-  points.s.push_back(time);
-}
-
 }  // namespace
 
 void RingInterpolator::collect(const PointCloud& cloud, const Eigen::Vector3f& origin,
@@ -115,7 +108,7 @@ void RingInterpolator::interpolate_column(const Column& column, std::size_t numb
     const float segments = std::ceil(gap / spacing);
     for (float m = 1.0F; m < segments; m += 1.0F) {
       const float fraction = m / segments;
-      push(a.p + fraction * segment, a.time + fraction * (b.time - a.time), points);
+      points.push_back(a.p + fraction * segment, a.time + fraction * (b.time - a.time));
     }
   }
 }

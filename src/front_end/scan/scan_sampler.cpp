@@ -90,6 +90,13 @@ void SampledPoints::assign(const PointCloud& cloud, const std::vector<std::uint3
   }
 }
 
+void SampledPoints::push_back(const Eigen::Vector3f& p, float time) {
+  x.push_back(p.x());
+  y.push_back(p.y());
+  z.push_back(p.z());
+  s.push_back(time);
+}
+
 void rotate_upwards(SampledPoints& points, double angle) {
   if (angle == 0.0) return;
   const ElevationShift shift(angle);

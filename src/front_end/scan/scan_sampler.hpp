@@ -53,6 +53,7 @@ struct SampledPoints {
 
   std::size_t size() const { return x.size(); }
   void assign(const PointCloud& cloud, const std::vector<std::uint32_t>& indices, double reference);
+  void push_back(const Eigen::Vector3f& p, float time);
 };
 
 /// Rotates all points upwards by `angle` (rad), see ElevationShift.
