@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/front_end/prior_of.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
@@ -122,15 +123,8 @@ class OdometryInOtherBase {
 
   void take(const preprocessing::SyncedScan& synced) {
     front_end_.set_sensor_pose(synced.T_base_lidar);
-    front_end::MotionPrior prior;
-    if (synced.imu && synced.imu->has_angular_velocity) {
-      prior.angular_velocity = synced.imu->angular_velocity;
-    }
-    if (synced.velocity) {
-      prior.linear_velocity = synced.velocity->linear;
-      if (!synced.velocity->angular.isZero(0.0)) prior.velocity_turning = synced.velocity->angular;
-    }
-    const front_end::FrontEndResult result = front_end_.process(synced.scan, prior);
+    const front_end::FrontEndResult result = front_end_.process(
+        synced.scan, front_end::prior_of(synced.imu, synced.velocity, std::nullopt, std::nullopt));
     put(result.finalized);
     lost_ += result.status.state == front_end::TrackingState::kLost ? 1 : 0;
     key_frames_ += result.key_frame ? 1 : 0;

@@ -13,14 +13,26 @@
 
 namespace lidar_mapping::front_end {
 
-inline simulation::Drive make_drive(const std::string& name, double duration,
-                                    std::uint64_t seed = 1, const std::string& lidar = "vlp16") {
+inline simulation::DriveOptions drive_options(const std::string& name, double duration,
+                                              std::uint64_t seed = 1,
+                                              const std::string& lidar = "vlp16") {
   simulation::DriveOptions options;
   options.drive = name;
   options.lidar = lidar;
   options.seed = seed;
   options.duration = duration;
-  return simulation::Drive(options);
+  return options;
+}
+
+inline simulation::Drive make_drive(const std::string& name, double duration,
+                                    std::uint64_t seed = 1, const std::string& lidar = "vlp16") {
+  return simulation::Drive(drive_options(name, duration, seed, lidar));
+}
+
+/// The true motion of the vehicle from one scan to another.
+inline Pose true_motion(const simulation::Drive& drive, std::size_t from, std::size_t to) {
+  const auto pose_at = [&](std::size_t i) { return drive.trajectory().pose(drive.scan_stamp(i)); };
+  return pose_at(from).inverse() * pose_at(to);
 }
 
 /// A scan in the LiDAR's frame.
@@ -63,6 +75,16 @@ class EvaluatedDrive {
     const Pose found = T_odom_begin_.inverse() * result_.T_odom_base;
     return rotation_angle(truth.rotation.conjugate() * found.rotation) * 180.0 / M_PI;
   }
+  /// Error of the step to the present result from the one at which end_step() was called last.
+  Pose step_error() const {
+    return (T_map_step_.inverse() * T_map_last_).inverse() *
+           (T_odom_step_.inverse() * result_.T_odom_base);
+  }
+  /// The next step begins at the present result.
+  void end_step() {
+    T_map_step_ = T_map_last_;
+    T_odom_step_ = result_.T_odom_base;
+  }
   double distance_travelled() const { return distance_travelled_; }
   /// Errors and distance are measured from the present scan on.
   void restart_evaluation() {
@@ -78,6 +100,8 @@ class EvaluatedDrive {
   std::optional<Pose> T_map_begin_;
   Pose T_odom_begin_;
   Pose T_map_last_;
+  Pose T_map_step_;
+  Pose T_odom_step_;
   double distance_travelled_ = 0.0;
 };
 

@@ -29,12 +29,8 @@ struct Case {
 class OtherBaseLink : public testing::TestWithParam<Case> {};
 
 TEST_P(OtherBaseLink, GivesTheSamePosesOfTheSensor) {
-  simulation::DriveOptions options;
-  options.drive = GetParam().drive;
-  options.lidar = "vlp16";
+  simulation::DriveOptions options = drive_options(GetParam().drive, 10.0, 13);
   options.imu = GetParam().imu;
-  options.seed = 13;
-  options.duration = 10.0;
   const simulation::Drive drive(options);
   const test::SensorData data = test::sensor_data(drive, GetParam().with_others);
   const test::SensorTrack usual = test::OdometryInOtherBase(data, {"usual", {}}).run();

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/front_end/prior_of.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
 #include "evaluated_drive.hpp"
@@ -21,11 +22,7 @@ constexpr Stamp kAfterSweep = from_seconds(0.03);
 
 simulation::Drive carried_drive(const std::string& name, double duration,
                                 const std::string& fault = "") {
-  simulation::DriveOptions options;
-  options.drive = name;
-  options.lidar = "vlp16";
-  options.seed = 3;
-  options.duration = duration;
+  simulation::DriveOptions options = drive_options(name, duration, 3);
   options.imu = "consumer";
   if (!fault.empty()) simulation::add_fault(options, fault);
   return simulation::Drive(options);
@@ -90,28 +87,18 @@ Outcome follow(const simulation::Drive& drive) {
   EvaluatedDrive ride(drive);
   Preprocessed scans(drive);
   Outcome outcome;
-  Pose T_map_last, T_odom_last;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const preprocessing::SyncedScan synced = scans.next(i);
-    MotionPrior prior;
-    if (synced.imu && synced.imu->has_angular_velocity) {
-      prior.angular_velocity = synced.imu->angular_velocity;
-    }
-    prior.uneven_turning = synced.uneven_turning;
-    prior.felt = synced.felt;
-    const FrontEndResult& result = ride.process(synced.scan, prior);
+    const FrontEndResult& result = ride.process(
+        synced.scan, prior_of(synced.imu, std::nullopt, synced.uneven_turning, synced.felt));
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
     outcome.unseen_way = result.status.unseen_way;
     outcome.times = result.status.sweep_times.source;
-    const Pose T_map_base = drive.trajectory().pose(synced.scan.stamp);
-    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
-                       (T_odom_last.inverse() * result.T_odom_base);
-    if (i > 0)
-      outcome.largest_turn = std::max(outcome.largest_turn, rotation_angle(error.rotation));
-    T_map_last = T_map_base;
-    T_odom_last = result.T_odom_base;
+    const double turn_error = rotation_angle(ride.step_error().rotation);
+    if (i > 0) outcome.largest_turn = std::max(outcome.largest_turn, turn_error);
+    ride.end_step();
     if (i == kFirstSecond) {
       outcome.start_error = ride.error();
       ride.restart_evaluation();

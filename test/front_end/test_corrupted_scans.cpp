@@ -18,10 +18,7 @@ constexpr double kEnd = 14.5;   // s: 50 scans after the first one
 
 simulation::Drive spoilt_drive(const std::string& fault, const std::string& lidar,
                                double duration) {
-  simulation::DriveOptions options;
-  options.lidar = lidar;
-  options.seed = 51;
-  options.duration = duration;
+  simulation::DriveOptions options = drive_options("town", duration, 51, lidar);
   if (!fault.empty()) options.scan_faults = {simulation::parse_scan_fault(fault)};
   return simulation::Drive(options);
 }
@@ -37,21 +34,15 @@ struct Outcome {
 Outcome ride_through(const simulation::Drive& drive, std::size_t first = kAtSpeed) {
   EvaluatedDrive ride(drive);
   Outcome outcome;
-  Pose T_map_last, T_odom_last;
   for (std::size_t i = first; i < drive.scan_count(); ++i) {
     const FrontEndResult& result = ride.process(i);
-    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
-    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
-                       (T_odom_last.inverse() * result.T_odom_base);
     const bool is_lost = result.status.state == TrackingState::kLost;
     outcome.lost += is_lost ? 1 : 0;
     outcome.repeated += result.status.repeated ? 1 : 0;
     EXPECT_FALSE(is_lost && result.key_frame) << i;
-    const bool wrong = error.translation.norm() > kWrong;
+    const bool wrong = ride.step_error().translation.norm() > kWrong;
     if (i > first && wrong && result.status.state == TrackingState::kTracking) ++outcome.silent;
-    if (is_lost) continue;
-    T_map_last = T_map_base;
-    T_odom_last = result.T_odom_base;
+    if (!is_lost) ride.end_step();
   }
   outcome.error = ride.error();
   outcome.way = ride.distance_travelled();

@@ -8,28 +8,19 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "evaluated_drive.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
 constexpr Stamp kScanPeriod = 100'000'000;
 
-simulation::Drive town(std::uint64_t seed = 1) {
-  simulation::DriveOptions options;
-  options.lidar = "vlp16";
-  options.seed = seed;
-  options.duration = 20.0;
-  return simulation::Drive(options);
-}
-
-Pose truth(const simulation::Drive& drive, std::size_t first, std::size_t index) {
-  const auto pose_at = [&](std::size_t i) { return drive.trajectory().pose(drive.scan_stamp(i)); };
-  return pose_at(first).inverse() * pose_at(index);
-}
+simulation::Drive town() { return make_drive("town", 20.0); }
 
 /// Distance (m) from where the sensor really is.
 double error(const simulation::Drive& drive, std::size_t first, std::size_t index,
              const FrontEndResult& result) {
-  return (result.T_odom_base.translation - truth(drive, first, index).translation).norm();
+  return (result.T_odom_base.translation - true_motion(drive, first, index).translation).norm();
 }
 
 Scan empty_scan(const simulation::Drive& drive, std::size_t index) {
@@ -60,7 +51,7 @@ TEST(FrontEnd, StartsAtSpeedAndToleratesMissingScans) {
     if (i > kFirst + 5 && (i * 7) % 10 < 3) continue;
     const FrontEndResult result = front_end.process(drive.base_scan(i));
     // Sixteen beams, a first map from one scan: a hundredth of the way, most of it the heading.
-    const double way = truth(drive, kFirst, i).translation.norm();
+    const double way = true_motion(drive, kFirst, i).translation.norm();
     ASSERT_LT(error(drive, kFirst, i, result), 0.1 + 0.015 * way) << i;
   }
 }
@@ -430,14 +421,14 @@ TEST(FrontEnd, ReportsATunnelAndUsesTheVelocityThere) {
   FrontEndResult result;
   for (std::size_t i = first; i < first + 80; ++i) {
     MotionPrior prior;
-    const Pose step = truth(drive, i - 1, i + 1);
+    const Pose step = true_motion(drive, i - 1, i + 1);
     prior.linear_velocity = step.translation / (2.0 * to_seconds(kScanPeriod));
     result = front_end.process(drive.base_scan(i), prior);
     degenerate += result.status.degenerate_directions.empty() ? 0 : 1;
   }
   EXPECT_GT(degenerate, 20U);
   EXPECT_LT(error(drive, first, first + 79, result),
-            0.01 * truth(drive, first, first + 79).translation.norm());
+            0.01 * true_motion(drive, first, first + 79).translation.norm());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "lidar_mapping/registration/registration.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "evaluated_drive.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::front_end {
@@ -18,18 +19,7 @@ namespace {
 constexpr std::size_t kFirst = 90;
 constexpr double kPeriod = 0.1;  // s
 
-simulation::Drive drive_of(const std::string& name) {
-  simulation::DriveOptions options;
-  options.drive = name;
-  options.lidar = "vlp16";
-  options.duration = 20.0;
-  return simulation::Drive(options);
-}
-
-Pose truth(const simulation::Drive& drive, std::size_t from, std::size_t to) {
-  const auto pose_at = [&](std::size_t i) { return drive.trajectory().pose(drive.scan_stamp(i)); };
-  return pose_at(from).inverse() * pose_at(to);
-}
+simulation::Drive drive_of(const std::string& name) { return make_drive(name, 20.0); }
 
 PointCloud ground_of(const PointCloud& cloud) {
   PointCloud ground;
@@ -44,7 +34,8 @@ PointCloud ground_of(const PointCloud& cloud) {
 /// Distance (m) from where `from` and the true motion since then put it.
 double error(const simulation::Drive& drive, std::size_t from, const Pose& T_odom_from,
              std::size_t to, const Pose& T_odom_to) {
-  return (truth(drive, from, to).inverse() * T_odom_from.inverse() * T_odom_to).translation.norm();
+  return (true_motion(drive, from, to).inverse() * T_odom_from.inverse() * T_odom_to)
+      .translation.norm();
 }
 
 // A sweep of another place is told within three sweeps and never becomes a key frame, and the
@@ -97,13 +88,13 @@ TEST(FrontEndFaults, ResumesAfterTwoSecondsWithoutSweeps) {
     result = front_end.process(drive.base_scan(i));
     if (i == kGap - 1) T_odom_before = result.T_odom_base;
   }
-  ASSERT_GT(truth(drive, kGap, kGap + 20).translation.norm(), 10.0);
+  ASSERT_GT(true_motion(drive, kGap, kGap + 20).translation.norm(), 10.0);
   EXPECT_EQ(result.status.state, TrackingState::kTracking);
   EXPECT_LT(error(drive, kGap - 1, T_odom_before, kGap + 29, result.T_odom_base), 0.3);
 }
 
 Vector6d true_twist(const simulation::Drive& drive, std::size_t index) {
-  const Pose step = truth(drive, index, index + 1);
+  const Pose step = true_motion(drive, index, index + 1);
   Vector6d twist;
   twist << step.translation, log_so3(step.rotation);
   return twist / kPeriod;
@@ -116,7 +107,7 @@ Pose against_single_key_frames(const simulation::Drive& drive, std::size_t from,
   config.method = registration::Method::kVgicp;
   const auto registration = registration::make_registration(config);
   Pose T_from_key, T_key_last;
-  Pose step = truth(drive, from, from + 1);
+  Pose step = true_motion(drive, from, from + 1);
   for (std::size_t i = from; i <= to; ++i) {
     const PointCloud cloud =
         voxel_filtered(deskewed(drive.base_scan(i).cloud, true_twist(drive, i)), 0.4);

@@ -16,11 +16,7 @@ constexpr std::size_t kScan = 60;
 
 simulation::Drive spoilt_drive(const std::string& name, const std::string& lidar,
                                const std::string& fault) {
-  simulation::DriveOptions options;
-  options.drive = name;
-  options.lidar = lidar;
-  options.seed = 3;
-  options.duration = 8.0;
+  simulation::DriveOptions options = drive_options(name, 8.0, 3, lidar);
   if (!fault.empty()) options.scan_faults = {simulation::parse_scan_fault(fault)};
   return simulation::Drive(options);
 }

@@ -180,11 +180,7 @@ TEST(OpenField, ReportsThatTheStartMayBeMissed) {
 
 /// A start from rest on a road through fields.
 simulation::Drive make_start(std::uint64_t seed, bool undistorted, double range_noise) {
-  simulation::DriveOptions options;
-  options.drive = "open_road";
-  options.lidar = "vlp16";
-  options.seed = seed;
-  options.duration = 16.0;
+  simulation::DriveOptions options = drive_options("open_road", 16.0, seed);
   options.undistorted = undistorted;
   options.range_noise = range_noise;
   return simulation::Drive(options);

@@ -197,21 +197,15 @@ struct Steps {
 Steps steps_of(const simulation::Drive& drive, std::size_t every) {
   EvaluatedDrive ride(drive);
   Steps steps;
-  Pose T_map_last, T_odom_last;
   for (std::size_t i = 0; i < drive.scan_count(); i += every) {
-    const FrontEndResult& result = ride.process(i);
-    const TrackingState state = result.status.state;
-    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
-    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
-                       (T_odom_last.inverse() * result.T_odom_base);
+    const TrackingState state = ride.process(i).status.state;
+    const Pose error = ride.step_error();
     const bool wrong = i > 0 && (error.translation.norm() > kWrongStep ||
                                  rotation_angle(error.rotation) > kWrongStepAngle);
     steps.wrong += wrong ? 1 : 0;
     steps.silent += wrong && state == TrackingState::kTracking ? 1 : 0;
     steps.doubted += state == TrackingState::kDoubtful || state == TrackingState::kDegraded ? 1 : 0;
-    if (!claims_pose(state)) continue;
-    T_map_last = T_map_base;
-    T_odom_last = result.T_odom_base;
+    if (claims_pose(state)) ride.end_step();
   }
   return steps;
 }

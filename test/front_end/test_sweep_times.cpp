@@ -130,11 +130,8 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 }
 
 simulation::Drive drive_of(const Case& c) {
-  simulation::DriveOptions options;
-  options.drive = c.drive;
-  options.lidar = c.lidar;
-  options.seed = 405;
-  options.duration = 0.1 * static_cast<double>(c.first) + 6.0;
+  const double duration = 0.1 * static_cast<double>(c.first) + 6.0;
+  simulation::DriveOptions options = drive_options(c.drive, duration, 405, c.lidar);
   options.undistorted = c.undistorted;
   if (*c.fault != 0) options.scan_faults = {simulation::parse_scan_fault(c.fault)};
   return simulation::Drive(options);
@@ -147,19 +144,15 @@ class PointTimes : public testing::TestWithParam<Case> {};
 TEST_P(PointTimes, AreFoundOut) {
   const simulation::Drive drive = drive_of(GetParam());
   EvaluatedDrive ride(drive);
-  Pose T_map_last, T_odom_last;
   bool was_found = false;
   for (std::size_t i = GetParam().first; i < drive.scan_count(); ++i) {
     const FrontEndResult& result = ride.process(i);
-    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
-    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
-                       (T_odom_last.inverse() * result.T_odom_base);
+    const Pose error = ride.step_error();
     if (was_found) {
       EXPECT_LT(error.translation.norm(), 0.05) << i;
       EXPECT_LT(rotation_angle(error.rotation), 0.015) << i;
     }
-    T_map_last = T_map_base;
-    T_odom_last = result.T_odom_base;
+    ride.end_step();
     was_found = result.status.sweep_times.source == GetParam().expected;
     EXPECT_TRUE(was_found || result.status.sweep_times.source == SweepTimes::kAsGiven) << i;
   }
