@@ -95,6 +95,10 @@ struct Drive {
     smoother.add(found, filter, kSweep);
   }
   MotionAtStamp at(double seconds) const { return smoother.motion_at(seconds, filter, kSweep); }
+  /// Contradiction to a gyro that measures this rate, rad/s.
+  std::optional<double> contradiction_to(double rate) const {
+    return smoother.contradiction_to({rate, 0.0, 0.0}, filter, kSweep);
+  }
   MotionState of_match(double seconds) const {
     return steadily_accelerated(filter.state(), filter.acceleration(), kSweep, seconds);
   }
@@ -107,6 +111,9 @@ struct Drive {
   double middle = 0.0;
   double lever = 0.0;
 };
+
+/// The turning by a gyro that measures this rate, rad/s.
+MeasuredTurning turning_at(double rate) { return {{rate, 0.0, 0.0}, {rate, 0.0, 0.0}, 0.02}; }
 
 /// Root mean square errors of poses, m and rad.
 struct Errors {
@@ -200,10 +207,7 @@ TEST(SweepSmoother, MotionFromTheStampLeadsThroughTheSweep) {
 
 TEST(SweepSmoother, LeavesAMeasuredRotation) {
   Drive drive({[](double t) { return 0.5 * t; }, kSwaying.way});
-  MeasuredTurning turning;
-  turning.between = turning.within = {0.5, 0.0, 0.0};
-  turning.sigma = 0.02;
-  for (int i = 0; i < 15; ++i) drive.add(kSweep, turning);
+  for (int i = 0; i < 15; ++i) drive.add(kSweep, turning_at(0.5));
   ASSERT_TRUE(drive.smoother.is_smoothed(drive.filter));
   const auto change_at = [&](double seconds) {
     return difference(drive.of_match(seconds).T_map_sensor, drive.at(seconds).state.T_map_sensor);
@@ -223,26 +227,18 @@ TEST(SweepSmoother, LeavesAMeasuredRotation) {
 Drive turned_by_gyro(double rate, bool measured) {
   const Motion turning{[](double t) { return 0.5 * t; }, [](double t) { return t; }};
   Drive drive(turning);
-  MeasuredTurning turned;
-  turned.between = turned.within = {rate, 0.0, 0.0};
-  turned.sigma = 0.02;
-  for (int i = 0; i < 15; ++i) {
-    drive.add(kSweep, measured ? std::optional<MeasuredTurning>(turned) : std::nullopt);
-  }
+  const auto turned = measured ? std::optional(turning_at(rate)) : std::nullopt;
+  for (int i = 0; i < 15; ++i) drive.add(kSweep, turned);
   return drive;
 }
 
 TEST(SweepSmoother, SaysHowFarAGyroContradictsIt) {
   for (const bool measured : {false, true}) {
-    const Drive drive = turned_by_gyro(0.5, measured);
-    const auto to = [&](double rate) {
-      return drive.smoother.contradiction_to({rate, 0.0, 0.0}, drive.filter, kSweep);
-    };
-    ASSERT_TRUE(to(0.5));
-    EXPECT_LT(*to(0.5), 1.0) << measured;
+    const auto contradiction = turned_by_gyro(0.5, measured).contradiction_to(0.5);
+    ASSERT_TRUE(contradiction);
+    EXPECT_LT(*contradiction, 1.0) << measured;
   }
-  const Drive drive = turned_by_gyro(0.5, false);
-  EXPECT_GT(*drive.smoother.contradiction_to({-0.5, 0.0, 0.0}, drive.filter, kSweep), 10.0);
+  EXPECT_GT(turned_by_gyro(0.5, false).contradiction_to(-0.5).value(), 10.0);
 }
 
 /// Contradiction at a jump of the turn by 2 mrad between two sweeps, this number of sweeps after
@@ -250,11 +246,8 @@ TEST(SweepSmoother, SaysHowFarAGyroContradictsIt) {
 double contradiction_at_jump(int sweeps) {
   const double jump = (sweeps + 0.5) * kSweep;
   Drive drive({[=](double t) { return t < jump ? 0.0 : 2e-3; }, [](double t) { return t; }});
-  MeasuredTurning still;
-  still.between = still.within = Eigen::Vector3d::Zero();
-  still.sigma = 0.02;
-  for (int i = 0; i <= sweeps; ++i) drive.add(kSweep, still);
-  return drive.smoother.contradiction_to(still.within, drive.filter, kSweep).value_or(0.0);
+  for (int i = 0; i <= sweeps; ++i) drive.add(kSweep, turning_at(0.0));
+  return drive.contradiction_to(0.0).value_or(0.0);
 }
 
 // The previous sweep does not make a measured rotation surer than its match is.
@@ -269,20 +262,16 @@ TEST(SweepSmoother, SaysNothingOfAGyroThatDoesNotTurn) {
   const Motion straight{[](double) { return 0.0; }, [](double t) { return t; }};
   Drive drive(straight);
   for (int i = 0; i < 15; ++i) drive.add(kSweep);
-  EXPECT_FALSE(drive.smoother.contradiction_to(Eigen::Vector3d::Zero(), drive.filter, kSweep));
+  EXPECT_FALSE(drive.contradiction_to(0.0));
 }
 
 // A rotation that jumps from sweep to sweep, but is said to be uniform in each.
 TEST(SweepSmoother, LeavesSweepsWithAWrongRotation) {
   Drive drive(kSwaying);
-  MeasuredTurning turning;
-  turning.between = turning.within = Eigen::Vector3d::Zero();
-  turning.sigma = 0.02;
   int contradicted = 0;
   for (int i = 0; i < 40; ++i) {
-    drive.add(kSweep, turning);
-    const auto contradiction =
-        drive.smoother.contradiction_to(Eigen::Vector3d::Zero(), drive.filter, kSweep);
+    drive.add(kSweep, turning_at(0.0));
+    const auto contradiction = drive.contradiction_to(0.0);
     if (!contradiction || *contradiction < 4.0) continue;
     ++contradicted;
     EXPECT_FALSE(drive.smoother.is_smoothed(drive.filter));
@@ -347,12 +336,9 @@ TEST(SweepSmoother, CovarianceHasTheSizeOfTheErrors) {
 double error_with_measured_turn(double lever) {
   Drive drive({[](double t) { return 0.5 * t; }, kSwaying.way});
   drive.lever = lever;
-  MeasuredTurning turning;
-  turning.between = turning.within = {0.5, 0.0, 0.0};
-  turning.sigma = 0.02;
   Errors errors;
   for (int i = 0; i < 60; ++i) {
-    drive.add(kSweep, turning);
+    drive.add(kSweep, turning_at(0.5));
     if (i < 10) continue;
     errors.add(drive.at(-0.5 * kSweep).state.T_map_sensor,
                drive.motion.pose(drive.middle - 0.5 * kSweep));
@@ -391,14 +377,10 @@ TEST(SweepSmoother, AcceptsAMeasuredRateThatJumps) {
   };
   Drive drive({turn, [](double t) { return t; }});
   for (int sweep = 1; sweep < 30; ++sweep) {
-    MeasuredTurning turning;
-    turning.within = {rate_of(sweep), 0.0, 0.0};
-    turning.between = {0.5 * (rate_of(sweep - 1) + rate_of(sweep)), 0.0, 0.0};
-    turning.sigma = 0.02;
+    MeasuredTurning turning = turning_at(rate_of(sweep));
+    turning.between.x() = 0.5 * (rate_of(sweep - 1) + rate_of(sweep));
     drive.add(kSweep, turning);
-    const auto contradiction =
-        drive.smoother.contradiction_to(turning.within, drive.filter, kSweep);
-    EXPECT_LT(contradiction.value_or(0.0), 1.0) << sweep;
+    EXPECT_LT(drive.contradiction_to(rate_of(sweep)).value_or(0.0), 1.0) << sweep;
   }
   EXPECT_TRUE(drive.smoother.is_smoothed(drive.filter));
 }
