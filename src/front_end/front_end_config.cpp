@@ -69,8 +69,7 @@ config::Schema<Config> make_schema() {
   schema
       .integer("local_frame_num", &Config::local_frame_num, {1, 1000}, "key frames",
                "Size of the sliding window: of NDT with local_map_method: sliding_window, and of "
-               "all other "
-               "methods.")
+               "all other methods.")
       .real("frame_filter_resolution", &Config::frame_filter_resolution, {0.0, 10.0}, "m",
             "Edge of the voxels that thin out a scan for the sliding window; 0 keeps all points.")
       .real("local_map_filter_resolution", &Config::local_map_filter_resolution, {0.0, 10.0}, "m",

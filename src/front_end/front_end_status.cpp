@@ -50,15 +50,13 @@ std::string jitter_message(double jitter) {
 std::string ride_message() {
   return "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
          "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
-         "unless "
-         "loops or GNSS put them right";
+         "unless loops or GNSS put them right";
 }
 
 std::string gyro_message() {
   return "imu: the gyro does not agree with the matched motion, so it is not used to predict; "
-         "check "
-         "imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or set "
-         "use_imu: false";
+         "check imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or "
+         "set use_imu: false";
 }
 
 }  // namespace lidar_mapping::front_end

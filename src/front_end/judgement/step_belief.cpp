@@ -99,6 +99,4 @@ void DoubtState::apply(const StepBelief& belief, FrontEndStatus& status) {
   }
 }
 
-void DoubtState::reset() { in_doubt_ = false; }
-
 }  // namespace lidar_mapping::front_end

@@ -35,7 +35,7 @@ class DoubtState {
  public:
   void apply(const StepBelief& belief, FrontEndStatus& status);
   /// To be called with a new map.
-  void reset();
+  void reset() { in_doubt_ = false; }
 
  private:
   bool in_doubt_ = false;

@@ -181,17 +181,9 @@ void NdtTracker::finish(TrackedScan& result) {
   result.status.step_seconds = timer_.take();
 }
 
-bool NdtTracker::accepts_gyro(const MotionPrior& prior) const {
-  return predictor_.accepts_gyro(prior);
-}
-
 void NdtTracker::set_viewpoint_at_origin() {
   sweep_.set_viewpoint_at_origin();
   mapper_.set_viewpoint_at_origin();
 }
-
-void NdtTracker::finalize() { initialization_.finalize(); }
-
-PointCloud NdtTracker::local_map() const { return state_.map.cloud(); }
 
 }  // namespace lidar_mapping::front_end

@@ -27,9 +27,11 @@ class NdtTracker : public Tracker {
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void set_viewpoint_at_origin() override;
   void restart() override;
-  bool accepts_gyro(const MotionPrior& prior) const override;
-  void finalize() override;
-  PointCloud local_map() const override;
+  bool accepts_gyro(const MotionPrior& prior) const override {
+    return predictor_.accepts_gyro(prior);
+  }
+  void finalize() override { initialization_.finalize(); }
+  PointCloud local_map() const override { return state_.map.cloud(); }
 
  private:
   /// A scan to be tracked.

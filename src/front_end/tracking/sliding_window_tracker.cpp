@@ -244,6 +244,4 @@ void SlidingWindowTracker::restart() {
   sweep_twist_.setZero();
 }
 
-PointCloud SlidingWindowTracker::local_map() const { return matcher_.cloud(); }
-
 }  // namespace lidar_mapping::front_end

@@ -25,7 +25,7 @@ class SlidingWindowTracker : public Tracker {
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void restart() override;
-  PointCloud local_map() const override;
+  PointCloud local_map() const override { return matcher_.cloud(); }
 
  private:
   using Match = WindowMatcher::Match;
