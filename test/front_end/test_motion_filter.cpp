@@ -99,6 +99,25 @@ TEST(MotionFilter, CovarianceStaysValid) {
   }
 }
 
+// The first scans of a drive are matched a second time, from the latest to the first.
+TEST(MotionFilter, LearnsAccelerationsBackwardsInTimeAsForwards) {
+  const auto rate_sigma = [](double seconds) {
+    MotionFilter filter(10.0, 50.0);
+    filter.reset(Pose{}, 1.0, 1.0);
+    for (int i = 1; i <= 20; ++i) {
+      filter.predict(seconds);
+      const double phase = 10.0 * seconds * i;
+      MotionState swaying{turned(0.1 * std::sin(phase)), Vector6d::Zero()};
+      swaying.twist[5] = std::cos(phase);
+      filter.correct(swaying, 1e-6 * Matrix12d::Identity());
+    }
+    filter.predict(seconds);
+    return std::sqrt(filter.covariance()(11, 11));
+  };
+  EXPECT_GT(rate_sigma(0.1), 0.2) << "or this test shows nothing";
+  EXPECT_NEAR(rate_sigma(-0.1), rate_sigma(0.1), 1e-6);
+}
+
 TEST(MotionFilter, ForgetsAfterARestartThatTheRotationWasMeasured) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(Pose{}, 1.0, 1.0);

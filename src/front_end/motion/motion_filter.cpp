@@ -224,8 +224,9 @@ void MotionFilter::update_acceleration_sigmas(const MotionState& state,
   // The rotation is compared without the gyro, because a gyro may fail at any time.
   const MotionState& turned = turning_measured_ ? forecast_state_ : state_;
   const Vector6d turn = difference(turned.T_map_sensor, state.T_map_sensor) * to_acceleration;
-  angular_.update(std::min((state.twist - turned.twist).tail<3>().norm() / step_seconds_,
-                           turn.tail<3>().norm()));
+  const double twist_change = (state.twist - turned.twist).tail<3>().norm();
+  // The time is negative where scans are matched from the latest to the first.
+  angular_.update(std::min(twist_change / std::abs(step_seconds_), turn.tail<3>().norm()));
 }
 
 /// A jump of the pose, for example when tracking is regained, is not an acceleration.
