@@ -17,12 +17,12 @@
 
 namespace lidar_mapping::test {
 
-/// What the sensors of a vehicle give, and where they sit in one base_link.
+/// What the sensors of a vehicle measure, and their poses in one base_link.
 struct SensorData {
   Pose T_base_lidar;
-  Pose T_base_imu;  ///< of the velocity too
+  Pose T_base_imu;  ///< of the velocity's sensor, too
   std::size_t scan_count = 0;
-  std::function<preprocessing::RawScan(std::size_t)> scan;  ///< of the frame "lidar"
+  std::function<preprocessing::RawScan(std::size_t)> scan;  ///< in the frame "lidar"
   std::vector<ImuSample> imu;
   std::vector<VelocitySample> velocity;
 };
@@ -32,7 +32,7 @@ inline SensorData sensor_data(const simulation::Drive& drive, bool with_others) 
   data.T_base_lidar = drive.mounting().T_base_lidar;
   data.T_base_imu = drive.mounting().T_base_imu;
   data.scan_count = drive.scan_count();
-  // They are wanted once per base_link.
+  // They are kept, because they are needed once per base_link.
   const auto scans = std::make_shared<std::vector<preprocessing::RawScan>>();
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     simulation::SimulatedScan taken = drive.scan(i);
@@ -45,13 +45,13 @@ inline SensorData sensor_data(const simulation::Drive& drive, bool with_others) 
   return data;
 }
 
-/// Another base_link of the same vehicle, where it lies in the usual one.
+/// Another base_link of the same vehicle: its pose in the usual one.
 struct OtherBase {
   std::string name;
   Pose T_usual_other;
 };
 
-/// Displaced (m), then turned about z, y and x (degrees).
+/// A base_link that is displaced (m) and then turned about z, y and x (degrees).
 inline OtherBase other_base(std::string name, const Eigen::Vector3d& at, double yaw_deg,
                             double pitch_deg, double roll_deg) {
   const double to_rad = M_PI / 180.0;
@@ -61,14 +61,14 @@ inline OtherBase other_base(std::string name, const Eigen::Vector3d& at, double 
   return {std::move(name), Pose{Eigen::Quaterniond(yaw * pitch * roll), at}};
 }
 
-/// Poses of the LiDAR from its first one on, and what was said of them.
+/// Poses of the LiDAR relative to its first one, and how many scans were lost or became key frames.
 struct SensorTrack {
   std::vector<Pose> T_first_lidar;
   std::size_t lost = 0;
   std::size_t key_frames = 0;
 };
 
-/// The odometry of a vehicle whose base_link is that one.
+/// The odometry of the vehicle if its base_link is another one.
 class OdometryInOtherBase {
  public:
   OdometryInOtherBase(const SensorData& data, const OtherBase& other)
@@ -102,7 +102,7 @@ class OdometryInOtherBase {
     return config;
   }
 
-  /// Scans come when their turn is over, in the order of time with the samples.
+  /// Gives the scans whose turn has ended before this sample, then the sample.
   void add_until(const ImuSample& sample) {
     while (next_scan_ < data_.scan_count) {
       if (!pending_) pending_ = data_.scan(next_scan_);
@@ -149,7 +149,7 @@ class OdometryInOtherBase {
   std::size_t key_frames_ = 0;
   std::size_t next_scan_ = 0;
   std::size_t next_velocity_ = 0;
-  std::optional<preprocessing::RawScan> pending_;  ///< number next_scan_, where it was made
+  std::optional<preprocessing::RawScan> pending_;  ///< number next_scan_, if it was made already
 };
 
 /// By how much two tracks differ at most.

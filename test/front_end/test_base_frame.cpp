@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What base_link is decides nothing but what poses are said of.
+// The choice of base_link decides to which frame poses belong, and nothing else.
 
 #include <random>
 
@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Drives, OtherBaseLink,
                                   (test_case.param.with_others ? "" : "_lidar_alone");
                          });
 
-/// Of the LiDAR.
+/// A result that belongs to the LiDAR's frame.
 FrontEndResult some_result() {
   FrontEndResult result;
   result.T_odom_base = {exp_so3({0.1, -0.2, 0.7}), {3.0, 1.0, -0.5}};
@@ -91,7 +91,7 @@ TEST(BaseFrame, ConvertsTheCovarianceToBaseLink) {
   const BaseFrame frame = border();
   const FrontEndResult of_sensor = some_result();
   const FrontEndResult of_base = frame.of_base(of_sensor);
-  // Column by column: an error of the LiDAR's pose, and what it does to that of base_link.
+  // Each column is the change of base_link's pose by a small error of the LiDAR's pose.
   Matrix6d J;
   for (int axis = 0; axis < 6; ++axis) {
     FrontEndResult off = of_sensor;
@@ -121,7 +121,7 @@ TEST(BaseFrame, ConvertsVelocitiesWithTheLeverArm) {
       << "by its own";
 }
 
-// What leaves the front end hangs together in base_link.
+// A key frame's pose and its cloud both belong to base_link.
 TEST(BaseFrame, KeyFramesAreInBaseLink) {
   const simulation::Drive drive = make_drive("town", 3.0, 1);
   EvaluatedDrive ride(drive);
@@ -143,7 +143,8 @@ TEST(BaseFrame, KeyFramesAreInBaseLink) {
   EXPECT_GT(on_ground, 500U);
 }
 
-// What the gyro took out of a scan, and what the accelerometer felt, go over the border, too.
+// The rotation that the gyro removed from a scan and the force that the accelerometer measured are
+// converted, too.
 TEST(BaseFrame, RotatesGyroAndAccelerometerIntoTheLidarsAxes) {
   const Pose T_base_sensor{exp_so3({0.1, -0.4, 1.2}), {1.0, -0.5, 1.8}};
   BaseFrame frame;

@@ -79,8 +79,8 @@ struct Outcome {
   SweepTimes times = SweepTimes::kAsGiven;
 };
 
-/// The scan at its end. A map of one scan of 16 beams knows the first step to a tenth of a metre
-/// only; what follows is told apart from that.
+/// Number of the scan that ends it. In a map of one scan of 16 beams the first step is off by up to
+/// a tenth of a metre; the errors after it are counted separately.
 constexpr std::size_t kFirstSecond = 10;
 
 Outcome follow(const simulation::Drive& drive) {
@@ -108,7 +108,8 @@ Outcome follow(const simulation::Drive& drive) {
   return outcome;
 }
 
-// Each scan of a sensor with few beams turned by a degree or two, and the next one back.
+// Without a gyro, scans of a sensor with few beams turned by a degree or two, and the next ones
+// back.
 TEST(CarriedDrive, StepsRotateCorrectlyWithAGyro) {
   for (const char* name : {"legged", "spin", "handheld"}) {
     SCOPED_TRACE(name);
@@ -140,8 +141,8 @@ double error_without_imu(const simulation::Drive& drive) {
   return ride.error();
 }
 
-// Scans were bent by it until it was found out and even then, and predicted by it at its limit:
-// metres off where the LiDAR alone is off by centimetres.
+// A wrong gyro bends the scans, and a gyro at the limit of its range predicts wrong rotations. Used
+// without a check, both lead metres away where the LiDAR alone is off by centimetres.
 TEST(CarriedDrive, WrongGyroIsHarmless) {
   for (const char* fault : {"imu_units=degrees", "imu_frame", "imu_clip=4,1.5"}) {
     for (const char* name : {"legged", "handheld"}) {
@@ -155,7 +156,7 @@ TEST(CarriedDrive, WrongGyroIsHarmless) {
   }
 }
 
-// Cut for two seconds in mid-walk.
+// The samples of the gyro are missing for two seconds.
 TEST(CarriedDrive, GyroMayFailForSeconds) {
   const Outcome outcome = follow(carried_drive("handheld", 12.0, "imu_gap=2,6"));
   EXPECT_EQ(outcome.lost, 0U);

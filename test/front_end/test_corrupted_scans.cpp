@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scans that are not what the sensor saw: they may cost accuracy, but no step that is wrong is
-// called tracking.
+// Scans that are not what the sensor measured: they may reduce the accuracy, but no step that is
+// wrong is called tracking.
 
 #include <gtest/gtest.h>
 
@@ -89,7 +89,7 @@ TEST(RepeatedScan, IsReportedAsLostAndTheDriveContinues) {
   }
 }
 
-// Whatever follows the scans; here the vehicle stands still.
+// The vehicle stands still here.
 TEST(RepeatedScan, IsNotReportedAsTrackingByOtherMethods) {
   const simulation::Drive drive = spoilt_drive("frozen=2,1", "vlp16", 4.0);
   FrontEndConfig config;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the front end says of its errors.
+// Whether reported covariances have the size of the errors.
 
 #include <optional>
 
@@ -13,8 +13,8 @@ namespace {
 
 class SizeOfCovariance : public testing::TestWithParam<const char*> {};
 
-// The back end weighs the way from key frame to key frame with it. Smooth walls, rough fields and a
-// person's gait differ in how well the points fit, and in how fast errors part.
+// The back end weights the motion from key frame to key frame with it. Smooth walls, rough fields
+// and a person's gait differ in how well the points fit, and in how fast errors become independent.
 TEST_P(SizeOfCovariance, AgreesWithTheErrors) {
   const simulation::Drive drive = make_drive(GetParam(), 45.0);
   FrontEnd front_end{FrontEndConfig{}};

@@ -89,8 +89,8 @@ TEST(FrontEnd, StandsStillAmongMovingCars) {
   EXPECT_EQ(key_frames, 1U);
 }
 
-// Blindness is told, the pose goes on as predicted with a growing covariance, and the
-// drive is found again.
+// Scans without points are reported as lost, the pose goes on as predicted with a growing
+// covariance, and the pose is found again with the next points.
 TEST(FrontEnd, ReportsLostTrackingAndRecovers) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
@@ -129,9 +129,7 @@ TEST(FrontEnd, StartsANewSegmentAfterBeingLostTooLong) {
   EXPECT_EQ(segments.back(), 1U);
 }
 
-// Nothing is kept outside of the object.
-// The sensor sees nothing until the wheels have carried it out of its map, of which nothing is
-// left.
+// The sensor sees nothing until the wheels have carried it so far that nothing is left of its map.
 TEST(FrontEnd, GoesOnWhereItIsIfItLeftItsMapWhileBlind) {
   const simulation::Drive drive = town();
   FrontEndConfig config;
@@ -153,6 +151,7 @@ TEST(FrontEnd, GoesOnWhereItIsIfItLeftItsMapWhileBlind) {
   EXPECT_GT(seeing.T_odom_base.translation.norm(), distance);
 }
 
+// Nothing is kept outside of the object.
 TEST(FrontEnd, TwoInstancesAreIndependent) {
   const simulation::Drive drive = town();
   FrontEnd alone{FrontEndConfig{}};
@@ -322,10 +321,10 @@ TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {
   EXPECT_THROW(front_end.process(late), InputError);
 }
 
-/// Where a front end begins, by what a person says and by what GNSS says.
-Pose begun(const FrontEndConfig& config, const std::optional<Pose>& said, const Pose& by_gnss) {
+/// The first pose of a front end that is given a pose by the user, by GNSS or by both.
+Pose begun(const FrontEndConfig& config, const std::optional<Pose>& by_user, const Pose& by_gnss) {
   FrontEnd front_end(config);
-  if (said) front_end.set_initial_pose(*said);
+  if (by_user) front_end.set_initial_pose(*by_user);
   MotionPrior prior;
   prior.T_odom_base_initial = by_gnss;
   prior.T_external_base = Pose{Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0}};
@@ -337,20 +336,20 @@ Pose begun(const FrontEndConfig& config, const std::optional<Pose>& said, const 
 
 TEST(FrontEnd, StartsAtTheConfiguredPoseOrElseAtTheGnssPose) {
   const Pose by_gnss{Eigen::Quaterniond::Identity(), {7.0, 7.0, 7.0}};
-  const Pose said{Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())),
-                  {3.0, -2.0, 0.5}};
+  const Pose by_user{Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())),
+                     {3.0, -2.0, 0.5}};
   FrontEndConfig config;
   const auto distance = [](const Pose& a, const Pose& b) { return difference(a, b).norm(); };
   EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), by_gnss), 1e-9);
-  EXPECT_LT(distance(begun(config, said, by_gnss), said), 1e-9);
+  EXPECT_LT(distance(begun(config, by_user, by_gnss), by_user), 1e-9);
   config.initial_pose = {3.0, -2.0, 0.5, 0.0, 0.0, 0.5 * M_PI};
   for (const OdometrySource source : {OdometrySource::kLidar, OdometrySource::kExternal}) {
     config.odometry = source;
-    EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), said), 1e-9);
+    EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), by_user), 1e-9);
   }
   config.odometry = OdometrySource::kLidar;
   config.registration.method = registration::Method::kVgicp;
-  EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), said), 1e-9);
+  EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), by_user), 1e-9);
 }
 
 // Neither a configured pose nor GNSS moves it: odometry has drifted away from both.
@@ -409,7 +408,7 @@ TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {
   EXPECT_FALSE(thinned->has_times());
 }
 
-// The tunnel is told, and wheel speed carries the drive through it.
+// The tunnel is reported, and the measured speed leads through it.
 TEST(FrontEnd, ReportsATunnelAndUsesTheVelocityThere) {
   simulation::DriveOptions options;
   options.drive = "tunnel";

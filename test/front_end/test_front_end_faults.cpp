@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the ancestors' front ends get wrong, each with a drive on which it would show.
+// Errors of earlier front ends, each with a drive that would show it.
 
 #include <gtest/gtest.h>
 

@@ -60,7 +60,7 @@ TEST(GyroValidator, ComputesTheRotationBetweenTheMiddlesOfSweeps) {
             1e-4);
 }
 
-// Held to more firmly than scale and axes of cheap gyros allow, it would turn the map.
+// Scale and axes of cheap gyros have errors. With a smaller sigma they would rotate the map.
 TEST(GyroValidator, HasALowerBoundOfTheSigma) {
   GyroValidator validator;
   ride(100, kExact, validator);
@@ -114,7 +114,7 @@ TEST(GyroValidator, DoesNotUseAWrongGyro) {
   }
 }
 
-// Degrees for radians after rest, where nothing has shown yet what the gyro is worth.
+// Degrees instead of radians after a rest, during which no match can show that the gyro is wrong.
 TEST(GyroValidator, RejectsRatesFarBeyondConfirmedOnes) {
   GyroValidator validator;
   const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
@@ -136,7 +136,7 @@ TEST(GyroValidator, RejectsRatesFarBeyondConfirmedOnes) {
       << "as fast as a sensor is turned by hand";
 }
 
-// Taken in already, it is not measured a second time.
+// A rotation that the filter has received from turning() is not measured a second time.
 TEST(GyroValidator, IsNotAppliedTwice) {
   MotionPrior prior;
   prior.angular_velocity = Eigen::Vector3d::Zero();
@@ -161,7 +161,7 @@ TEST(MotionFilter, UsesTheMeasuredRotation) {
   EXPECT_LT(rotation_angle(filter.forecast_state().T_map_sensor.rotation), 1e-9);
 }
 
-// A gyro that has its say in some sweeps only does not make the others look calm.
+// A gyro may be missing in the next sweep. So the acceleration is learned as if there were none.
 TEST(MotionFilter, LearnsAngularAccelerationDespiteTheGyro) {
   const auto spread = [](bool with_gyro) {
     MotionFilter filter(10.0, 50.0);
@@ -180,7 +180,7 @@ TEST(MotionFilter, LearnsAngularAccelerationDespiteTheGyro) {
   EXPECT_GT(spread(true), 0.8 * spread(false));
 }
 
-// Legs shake so much that a wrong gyro predicts no worse than none.
+// On legs, which shake the sensor, a wrong gyro predicts no worse than none.
 TEST(GyroValidator, DistrustsAGyroThatTheTimeSlicesContradict) {
   GyroValidator validator;
   ride(20, kExact, validator);

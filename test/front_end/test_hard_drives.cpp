@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drives on which an odometry comes to grief: hand-held, without features, with sensors that lie.
+// Drives that are difficult for an odometry: hand-held, without features, with wrong sensors.
 
 #include <algorithm>
 #include <random>
@@ -71,8 +71,8 @@ constexpr std::size_t kBeforeTheTunnel = 165;
 
 class BlindTunnel : public testing::TestWithParam<SensorAndSeed> {};
 
-// Nothing in a smooth tunnel says how fast the sensor goes: it is to go on as it came in, through
-// bends as well, and to come out where the tunnel ends.
+// Nothing in a smooth tunnel shows how fast the sensor moves. The odometry has to go on with the
+// speed at the entry, through bends as well, and to come out where the tunnel ends.
 TEST_P(BlindTunnel, IsPassedAtTheEntrySpeed) {
   const simulation::Drive drive = make_drive("tunnel", 42.0, GetParam().seed, GetParam().lidar);
   EvaluatedDrive ride(drive);
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Tunnels, BlindTunnel,
                          testing::Values(SensorAndSeed{"vlp16", 1}, SensorAndSeed{"vlp16", 2},
                                          SensorAndSeed{"os1_64", 3}));
 
-// A wheel radius that is off by 1.5 % is found out before the tunnel and corrected inside.
+// A wheel radius that is off by 1.5 % is learned before the tunnel and corrected inside.
 TEST(Tunnel, IsPassedWithANoisyWheelSpeedOfWrongScale) {
   const simulation::Drive drive = make_drive("tunnel", 36.0);
   std::mt19937 engine(4);

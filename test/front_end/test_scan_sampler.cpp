@@ -62,8 +62,8 @@ double leaning(const PointCloud& cloud, bool scattered) {
   return products / squares;
 }
 
-// Coming in across the side of a cube, of the noise the nearer points win on the one half of a wall
-// and the farther ones on the other.
+// In the order of the sweep, the range noise decides which point of a cube comes first: one that is
+// too near on a wall that comes nearer, one that is too far on a wall that recedes.
 TEST(ScanSampler, HasNoBiasInTheDirectionOfTheSweep) {
   const PointCloud cloud = swept_wall();
   EXPECT_LT(std::abs(leaning(cloud, true)), 0.3 * std::abs(leaning(cloud, false)));

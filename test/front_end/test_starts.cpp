@@ -79,7 +79,8 @@ std::vector<KeyFrame> first_key_frames(const simulation::Drive& drive, std::size
   return key_frames;
 }
 
-// The map of one scan leans where there are few rings. Drives that are joined lean on their ends.
+// The planes of a map of one scan with few rings are tilted. Where drives are joined, their ends
+// matter most.
 TEST_P(StartAtSpeed, HasKeyFramesAsGoodAsOthers) {
   const simulation::Drive drive = make_drive("town", 22.0, GetParam(), "vlp16");
   const std::vector<KeyFrame> key_frames = first_key_frames(drive, 110, 12);
@@ -104,8 +105,9 @@ TEST_P(StartAtSpeed, HasKeyFramesAsGoodAsOthers) {
 
 INSTANTIATE_TEST_SUITE_P(Towns, StartAtSpeed, testing::Values(1, 2, 3));
 
-// What the first scan showed is gone with the second one: waiting for it would lose the start, and
-// what it left in the map bent the next metres, by up to 1.5 m in these towns.
+// The surroundings of the first scan are not those of the second one. Waiting to see them again
+// would lose the start, and the points of the first scan in the map bent the next metres, by up
+// to 1.5 m in these towns.
 TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   constexpr std::size_t kElsewhere = 450;
   constexpr std::size_t kReplaced = 4;
@@ -125,7 +127,7 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   }
 }
 
-// Turns on the spot from one scan to the next: more than anything before let expect.
+// The sensor begins to turn on the spot, faster than the motion before it lets the filter expect.
 TEST(TurnOnTheSpot, IsTrackedFromRest) {
   const simulation::Drive drive = make_drive("town", 4.0);
   const Scan standing = drive.base_scan(0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How sure the front end is of a step, and what it calls one that it is not sure of.
+// How sure the front end is of a step, and which state it reports for one that it is not sure of.
 
 #include <cmath>
 

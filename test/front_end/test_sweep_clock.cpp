@@ -17,12 +17,12 @@ constexpr int kScans = 200;
 
 struct Times {
   double largest_error = 0.0;  ///< of the time between two sweeps after the first 70, s
-  double jitter = 0.0;         ///< said at the end, s
+  double jitter = 0.0;         ///< as reported at the end, s
   bool is_as_stamped = true;   ///< each time is that between the stamps
 };
 
-/// `error` (s) of a scan's stamp; scans that `is_there` says no to are left out. True sweeps begin
-/// every 0.1 s.
+/// `error` (s) of a scan's stamp; scans for which `is_there` is false are left out. True sweeps
+/// begin every 0.1 s.
 Times times(
     const std::function<double(int)>& error, double sweep = kSweep,
     const std::function<bool(int)>& is_there = [](int) { return true; }) {

@@ -32,7 +32,7 @@ struct Walk {
 };
 
 struct Outcome {
-  double first = -1.0;  ///< s when a ride was first said
+  double first = -1.0;  ///< s when a ride was reported first
   double last = -1.0;
   double way = 0.0;
 };
@@ -93,7 +93,8 @@ TEST(VerticalRideDetector, IgnoresAWalk) {
   }
 }
 
-// Errors of the odometry are felt as well: they show how much has to be felt before it counts.
+// Errors of the odometry look like unseen motion. How large they are is learned, and only a larger
+// difference counts.
 TEST(VerticalRideDetector, IgnoresScatteringHeights) {
   Walk walk;
   walk.seen_error = 0.06;
