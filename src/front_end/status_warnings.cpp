@@ -1,21 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/front_end/status_warnings.hpp"
 
+#include "lidar_mapping/common/text.hpp"
+
 namespace lidar_mapping::front_end {
 
 std::vector<StatusWarning> warnings_of(const FrontEndStatus& status) {
   std::vector<StatusWarning> warnings;
   if (status.map_points_dropped > 0) {
-    warnings.push_back({kFullMapKey, full_map_message(status.map_points_dropped)});
+    warnings.push_back(
+        {kFullMapKey,
+         "the odometry's local map is full: " + std::to_string(status.map_points_dropped) +
+             " points found no room in it so far; a larger voxel_size or a smaller "
+             "local_map_radius makes room"});
   }
   if (status.stamp_jitter > 0.0) {
-    warnings.push_back({"jitter", jitter_message(status.stamp_jitter)});
+    warnings.push_back(
+        {"jitter",
+         formatted("the stamps of the scans scatter by %.0f ms while the sensor turns regularly: "
+                   "the odometry counts turns instead; IMU, velocity and GNSS are still taken at "
+                   "the stamps, so have the driver stamp scans by the sensor's clock",
+                   1e3 * status.stamp_jitter)});
   }
   if (status.sweep_times.source != SweepTimes::kAsGiven) {
     warnings.push_back({"sweep times", sweep_times_message(status.sweep_times)});
   }
-  if (status.gyro_distrusted) warnings.push_back({"gyro", gyro_message()});
-  if (status.unseen_way > 0.0) warnings.push_back({"ride", ride_message()});
+  if (status.gyro_distrusted) {
+    warnings.push_back(
+        {"gyro",
+         "imu: the gyro does not agree with the matched motion, so it is not used to predict; "
+         "check imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or "
+         "set use_imu: false"});
+  }
+  if (status.unseen_way > 0.0) {
+    warnings.push_back(
+        {"ride",
+         "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
+         "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
+         "unless loops or GNSS put them right"});
+  }
   return warnings;
 }
 

@@ -386,9 +386,7 @@ TEST(FrontEnd, CountsPointsDroppedByAFullLocalMap) {
   const Scan scan = wide_scan(60.0);
   EXPECT_EQ(FrontEnd(config).process(scan).status.map_points_dropped, 0U);
   config.voxel_size = config.insertion_resolution = 0.2;
-  const std::size_t dropped = FrontEnd(config).process(scan).status.map_points_dropped;
-  EXPECT_GT(dropped, 10000U);
-  EXPECT_NE(full_map_message(dropped).find("voxel_size"), std::string::npos);
+  EXPECT_GT(FrontEnd(config).process(scan).status.map_points_dropped, 10000U);
 }
 
 TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {

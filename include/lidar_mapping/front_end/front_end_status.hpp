@@ -78,13 +78,5 @@ struct FrontEndStatus {
 
 /// The message that points are rotated upwards by `elevation_shift` (rad) from now on.
 std::string elevation_message(double elevation_shift);
-/// The message that the local map is full, and which parameters give it more room.
-std::string full_map_message(std::size_t map_points_dropped);
-/// The message that the stamps scatter by `jitter` (s), and what is done about it.
-std::string jitter_message(double jitter);
-/// The message that the sensor moves up or down while no points show it.
-std::string ride_message();
-/// The message that the gyro is not used for prediction, and what to check.
-std::string gyro_message();
 
 }  // namespace lidar_mapping::front_end
