@@ -229,7 +229,6 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   }
   if (problem.config.use_loop_close) connect_segments(drive);
   const Georeference alignment = georeference(drive, problem.config, false);
-  result->report.gnss_rms = alignment.rms_horizontal;
   if (problem.config.use_gnss) estimate_gnss_delays(drive, problem.config);
   drive.odometry_errors = {};
   DriveFactors factors = make_factors(drive, problem.config);
@@ -239,7 +238,12 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   if (solution.success && has_used(factors.horizontal_of, solution)) {
     solve_with_estimated_errors(problem.config, factors, solution, drive);
   }
-  const bool georeference_only = problem.config.georeference_only;
+  if (solution.success) {
+    result->report.gnss_rms = alignment.rms_horizontal;
+  } else {
+    drive = problem.drive;  // no segment stays where it was placed for this solution
+  }
+  const bool georeference_only = problem.config.georeference_only && solution.success;
   const Georeference final_alignment =
       georeference_only ? georeference(drive, problem.config, true) : alignment;
   fill_report(problem, drive, solution, result->report);
