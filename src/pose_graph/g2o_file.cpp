@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 
-#include <algorithm>
-#include <cerrno>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,10 +10,10 @@
 #include <istream>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
@@ -275,16 +274,12 @@ void write_g2o(const PoseGraph& graph, std::ostream& out) {
 }
 
 void write_g2o(const PoseGraph& graph, const std::string& path) {
-  const std::string aside = path + ".part";
-  {
-    std::ofstream stream(aside);
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
+    std::ofstream stream(temporary);
     write_g2o(graph, stream);
-    stream.flush();
-    if (!stream) throw FileError("cannot write " + aside + "; check the folder and the free space");
-  }
-  std::error_code error;
-  std::filesystem::rename(aside, path, error);
-  if (error) throw FileError("cannot rename " + aside + " to " + path + ": " + error.message());
+    stream.close();
+    if (!stream) throw FileError("cannot write " + path + "; check the folder and the free space");
+  });
 }
 
 }  // namespace lidar_mapping::pose_graph

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <iterator>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
+
+#include "temporary_folder.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {
@@ -45,6 +49,20 @@ TEST(G2oFile, ReadsTheBitsThatItWrote) {
   std::ostringstream second;
   write_g2o(read(first.str()).graph, second);
   EXPECT_EQ(first.str(), second.str());
+}
+
+TEST(G2oFile, LeavesNothingButTheFileThatItWrites) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "graph.g2o";
+  write_g2o(read(edge(0, 1)).graph, path.string());
+  EXPECT_EQ(read_g2o(path.string()).graph.edges.size(), 1U);
+  std::filesystem::create_directories(folder.path() / "other.g2o" / "is a folder");
+  EXPECT_THROW(write_g2o(read(edge(0, 1)).graph, (folder.path() / "other.g2o").string()),
+               FileError);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()),
+                          std::filesystem::directory_iterator()),
+            2)
+      << "no temporary file";
 }
 
 TEST(G2oFile, KeepsPlanarGraphsPlanar) {
