@@ -24,6 +24,9 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
+// Chosen: differences of ids stay within their type, and no program counts that far.
+constexpr std::int64_t kLargestId = 1'000'000'000'000'000'000;
+
 /// Reads the words and numbers of one line.
 class Line {
  public:
@@ -58,6 +61,7 @@ class Line {
     char* end = nullptr;
     const std::int64_t value = std::strtoll(rest_, &end, 10);
     if (end == rest_) fail("the id of a vertex is missing; ids are whole numbers");
+    if (value < -kLargestId || value > kLargestId) fail("the id of a vertex has too many digits");
     rest_ = end;
     return value;
   }

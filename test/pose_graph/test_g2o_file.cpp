@@ -124,6 +124,11 @@ TEST(G2oFile, ReportsErrorsWithTheirLine) {
   EXPECT_NE(problem_of("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0\n").find("twice"),
             std::string::npos);
   EXPECT_NE(problem_of("VERTEX_SE2 0 nan 0 0\n").find("finite"), std::string::npos);
+  for (const char* id : {"9223372036854775807", "-9223372036854775808", "99999999999999999999"}) {
+    EXPECT_NE(problem_of(std::string("VERTEX_SE2 ") + id + " 0 0 0\n").find("digits"),
+              std::string::npos)
+        << id;
+  }
   EXPECT_THROW(read_g2o("/nonexistent.g2o"), FileError);
 }
 
