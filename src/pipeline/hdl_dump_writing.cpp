@@ -171,7 +171,8 @@ class DumpWriter {
 void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph& graph,
                     const fs::path& directory) {
   if (graph.nodes.empty()) throw InputError("the session has no key frames; nothing to dump");
-  const fs::path target = fs::absolute(directory).lexically_normal();
+  fs::path target = fs::absolute(directory).lexically_normal();
+  if (!target.has_filename()) target = target.parent_path();  // of a path that ends with a slash
   if (fs::exists(target)) {
     throw FileError(target.string() + " is there already; name another directory");
   }

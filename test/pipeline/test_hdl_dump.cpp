@@ -107,6 +107,13 @@ TEST(HdlDump, WritesFilesOfInteractiveSlam) {
   EXPECT_THROW(write_hdl_dump(session, graph_of(session), dump), FileError) << "is there";
 }
 
+TEST(HdlDump, FolderMayEndWithASlash) {
+  const TemporaryFolder folder;
+  const Session session = example_session(folder.path() / "session");
+  write_hdl_dump(session, graph_of(session), folder.path() / "dump" / "");
+  EXPECT_TRUE(fs::is_regular_file(folder.path() / "dump" / "graph.g2o"));
+}
+
 /// hdl_graph_slam writes "nan" for the height of a GeoPoint without altitude.
 TEST(HdlDump, ReadsPositionsWithoutHeight) {
   const TemporaryFolder folder;
