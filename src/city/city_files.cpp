@@ -21,14 +21,15 @@ void write(const Json& value, const fs::path& path) {
   write_text_atomically(path, json::dumped(value, 1) + "\n");
 }
 
-/// Calls `parse` with the content of a file; what is wrong with it becomes an InputError.
+/// Calls `parse` with the content of a file; what is wrong with it becomes an InputError that names
+/// the file.
 template <typename Parse>
 auto parsed(const fs::path& path, const Parse& parse) {
   std::ifstream stream(path);
   if (!stream) throw FileError("cannot read " + path.string());
   try {
     return parse(Json::parse(stream));
-  } catch (const Json::exception& error) {
+  } catch (const std::exception& error) {  // of JSON, or an InputError of `parse`
     throw InputError(path.string() + " is damaged (" + error.what() +
                      "); delete it and run the job again");
   }
@@ -112,13 +113,12 @@ std::string to_text(const AppearanceKey& key) {
   return text;
 }
 
-AppearanceKey key_from(const std::string& text, const fs::path& path) {
+AppearanceKey key_from(const std::string& text) {
   AppearanceKey key{};
   if (text.size() != 2 * key.size() ||
       text.find_first_not_of("0123456789abcdef") != std::string::npos) {
-    throw InputError(path.string() + ": an appearance has " + std::to_string(text.size()) +
-                     " digits instead of " + std::to_string(2 * key.size()) +
-                     "; delete the file and run the job again");
+    throw InputError("an appearance has " + std::to_string(text.size()) + " digits instead of " +
+                     std::to_string(2 * key.size()));
   }
   for (std::size_t i = 0; i < key.size(); ++i) {
     key[i] = static_cast<std::uint8_t>(std::strtoul(text.substr(2 * i, 2).c_str(), nullptr, 16));
@@ -139,7 +139,7 @@ Json to_json(const Piece& piece) {
           {"places", places}};
 }
 
-Piece piece_from(const Json& json, const fs::path& path) {
+Piece piece_from(const Json& json) {
   Piece piece;
   json.at("first").get_to(piece.first);
   json.at("last").get_to(piece.last);
@@ -148,7 +148,7 @@ Piece piece_from(const Json& json, const fs::path& path) {
     piece.box.emplace(Eigen::Vector3d(v[0], v[1], v[2]), Eigen::Vector3d(v[3], v[4], v[5]));
   }
   for (const Json& key : json.at("places")) {
-    piece.places.push_back(key_from(key.get<std::string>(), path));
+    piece.places.push_back(key_from(key.get<std::string>()));
   }
   return piece;
 }
@@ -201,10 +201,10 @@ void write_pieces(const DrivePieces& drive, const fs::path& path) {
 }
 
 DrivePieces read_pieces(const fs::path& path) {
-  return parsed(path, [&](const Json& json) {
+  return parsed(path, [](const Json& json) {
     DrivePieces drive;
     json.at("drive").get_to(drive.drive);
-    for (const Json& piece : json.at("pieces")) drive.pieces.push_back(piece_from(piece, path));
+    for (const Json& piece : json.at("pieces")) drive.pieces.push_back(piece_from(piece));
     return drive;
   });
 }

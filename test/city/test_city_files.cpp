@@ -105,6 +105,12 @@ TEST(CityFiles, DamagedFilesAreNamedWithTheRemedy) {
       path, R"({"drive": "a", "pieces": [{"first": 0, "last": 1, "box": null, "places": ["0x"]}]})",
       read_pieces);
   EXPECT_NE(digits.find("digits"), std::string::npos) << digits;
+  EXPECT_NE(digits.find("x.json"), std::string::npos) << digits;
+  const std::string source =
+      complaint(path, R"({"a": "a", "b": "b", "used_gnss": true, "searched": 1, "loops": [],
+               "verdicts": [{"from": 0, "to": 1, "source": "rumour"}]})",
+                read_loops);
+  EXPECT_NE(source.find("x.json"), std::string::npos) << source;
   EXPECT_THROW(read_chunk(folder.path() / "none.json"), FileError);
 }
 
