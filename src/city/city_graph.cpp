@@ -139,12 +139,24 @@ std::size_t CityGraph::drive_of(const std::string& name) const {
                    "' that is not among the sessions; name its session, or leave the loops out");
 }
 
+/// The key frame with this index of the city; null if the drive does not have it.
+const KeyFrame* find_key_frame(const SessionPart& part, KeyFrameIndex index) {
+  const auto found = std::lower_bound(
+      part.key_frames.begin(), part.key_frames.end(), index,
+      [](const KeyFrame& key_frame, KeyFrameIndex wanted) { return key_frame.index < wanted; });
+  return found != part.key_frames.end() && found->index == index ? &*found : nullptr;
+}
+
 void CityGraph::add_loops(const PairLoops& pair) {
   const std::size_t a = drive_of(pair.a), b = drive_of(pair.b);
   for (Loop loop : pair.loops) {
     loop.from += city_.drives[a].offsets.index;
     loop.to += city_.drives[b].offsets.index;
     loop.stamp += city_.drives[b].offsets.stamp;
+    if (!find_key_frame(parts_[a], loop.from) || !find_key_frame(parts_[b], loop.to)) {
+      throw InputError("loops between '" + pair.a + "' and '" + pair.b +
+                       "' name key frames that the sessions do not have; search them again");
+    }
     loops_.push_back({a, b, loop});
   }
 }
@@ -159,12 +171,6 @@ struct LoopOffset {
 
 double horizontal_stddev(const GnssPosition& position) {
   return std::sqrt(0.5 * (position.covariance(0, 0) + position.covariance(1, 1)));
-}
-
-const KeyFrame& key_frame_of(const SessionPart& part, KeyFrameIndex index) {
-  return *std::lower_bound(
-      part.key_frames.begin(), part.key_frames.end(), index,
-      [](const KeyFrame& key_frame, KeyFrameIndex wanted) { return key_frame.index < wanted; });
 }
 
 GnssDisagreement median_of(std::size_t a, std::size_t b, const std::vector<LoopOffset>& offsets) {
@@ -187,8 +193,8 @@ std::optional<Eigen::Quaterniond> CityGraph::heading_at(std::size_t drive, Stamp
 std::vector<GnssDisagreement> CityGraph::disagreements() const {
   std::map<std::pair<std::size_t, std::size_t>, std::vector<LoopOffset>> offsets;
   for (const auto& [a, b, loop] : loops_) {
-    const Stamp stamp_a = key_frame_of(parts_[a], loop.from).stamp;
-    const Stamp stamp_b = key_frame_of(parts_[b], loop.to).stamp;
+    const Stamp stamp_a = find_key_frame(parts_[a], loop.from)->stamp;
+    const Stamp stamp_b = find_key_frame(parts_[b], loop.to)->stamp;
     const auto position_a = parts_[a].gnss.find(stamp_a);
     const auto position_b = parts_[b].gnss.find(stamp_b);
     const auto R_enu_a = heading_at(a, stamp_a), R_enu_b = heading_at(b, stamp_b);

@@ -50,7 +50,7 @@ struct JoinedCity {
 /// drives is left out, a drive whose loops the graph mostly refuses is detached, and what nothing
 /// connects with the largest part is left out. Drives with the same `datum` lie in its
 /// East-North-Up frame; the first one of a drive is taken if it is empty. Throws FileError, and
-/// InputError if loops name an unknown drive.
+/// InputError if loops name an unknown drive or key frame.
 JoinedCity join_drives(const std::vector<std::filesystem::path>& sessions,
                        const std::vector<PairLoops>& loops,
                        const std::optional<GeodeticDatum>& datum,

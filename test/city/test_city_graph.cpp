@@ -208,5 +208,17 @@ TEST_F(CityGraph, LoopsOfAnUnknownDriveAreAnError) {
   EXPECT_THROW(join({"a"}, {loops}), InputError);
 }
 
+// As of a session that was made again after its loops were searched.
+TEST_F(CityGraph, LoopsOfUnknownKeyFramesAreAnError) {
+  for (const char* name : {"a", "b"}) record(name, square_, 1.0, 0.0);
+  PairLoops loops;
+  loops.a = "a";
+  loops.b = "b";
+  loops.loops.resize(1);
+  EXPECT_NO_THROW(join({"a", "b"}, {loops}));
+  loops.loops[0].from = static_cast<KeyFrameIndex>(square_.size());  // the first one of drive b
+  EXPECT_THROW(join({"a", "b"}, {loops}), InputError);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::city::test
