@@ -45,6 +45,13 @@ class SectionAssessment {
       variances_[scan.stamp] = scan.unobserved_stddev * scan.unobserved_stddev;
     }
     for (const KeyFramePose& pose : poses.poses) T_map_base_[pose.index] = pose.T_map_base;
+    const std::vector<int> parts = back_end.parts();
+    for (std::size_t i = 0; i < std::min(parts.size(), key_frames_.size()); ++i) {
+      parts_[key_frames_[i].index] = parts[i];
+    }
+    // Drives may have been merged in another order than that of their times.
+    std::stable_sort(key_frames_.begin(), key_frames_.end(),
+                     [](const KeyFrame& a, const KeyFrame& b) { return a.stamp < b.stamp; });
   }
 
   void assess(std::vector<DoubtfulSection>& sections) {
@@ -150,11 +157,12 @@ class SectionAssessment {
 
   /// Between key frames of unconnected parts of the graph the odometry was lost, or the drive was
   /// interrupted.
-  void mark_gaps(std::vector<DoubtfulSection>& sections) const {
-    const std::vector<int> parts = back_end_.parts();
-    for (std::size_t i = 1; i < std::min(parts.size(), key_frames_.size()); ++i) {
-      if (parts[i] == parts[i - 1]) continue;
-      DoubtfulSection& gap = gap_section(key_frames_[i - 1].stamp, key_frames_[i].stamp, sections);
+  void mark_gaps(std::vector<DoubtfulSection>& sections) {
+    for (std::size_t i = 1; i < key_frames_.size(); ++i) {
+      const KeyFrame& before = key_frames_[i - 1];
+      const KeyFrame& after = key_frames_[i];
+      if (parts_[before.index] == parts_[after.index]) continue;
+      DoubtfulSection& gap = gap_section(before.stamp, after.stamp, sections);
       gap.is_trusted = false;
       gap.expected_error = std::numeric_limits<double>::infinity();
     }
@@ -187,7 +195,8 @@ class SectionAssessment {
     return pose->second * (key_frame.T_odom_base.inverse() * section.position);
   }
 
-  std::vector<KeyFrame> key_frames_;
+  std::vector<KeyFrame> key_frames_;    ///< By stamp.
+  std::map<KeyFrameIndex, int> parts_;  ///< Connected part of the graph of each key frame.
   const back_end::BackEnd& back_end_;
   std::shared_ptr<const back_end::OptimizationProblem> problem_;
   std::map<Stamp, double> variances_;

@@ -34,6 +34,9 @@ std::vector<Correction> corrections(const session::Session& session, const KeyFr
     result.push_back(
         {key_frame.stamp, key_frame.segment, pose->T_map_base * key_frame.T_odom_base.inverse()});
   }
+  // Drives may have been merged in another order than that of their times.
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Correction& a, const Correction& b) { return a.stamp < b.stamp; });
   return result;
 }
 

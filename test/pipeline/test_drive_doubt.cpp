@@ -31,12 +31,15 @@ struct StraightDrive {
   double (*unobserved_stddev)(KeyFrameIndex) = [](KeyFrameIndex) { return 0.0; };
   double degraded_sigma = 0.003;  ///< Standard deviation of a step to a degraded scan, m.
   KeyFrameIndex second_segment_begin =
-      kScans;  ///< First scan of a second segment of the trajectory.
+      kScans;                     ///< First scan of a second segment of the trajectory.
+  Stamp delay = 0;                ///< Added to all stamps.
+  KeyFrameIndex first_index = 0;  ///< Index of the first key frame.
+  std::uint32_t segment = 0;      ///< Segment in which the drive begins.
 
   void write(RecordedBackEnd& back_end) const {
     for (KeyFrameIndex scan = 0; scan < kScans; ++scan) {
       session::ScanRecord record;
-      record.stamp = stamp_of(scan);
+      record.stamp = stamp_of(scan) + delay;
       record.state = state(scan);
       record.unobserved_stddev = unobserved_stddev(scan);
       record.probability = record.state == "degraded" ? 0.2 : 0.99;
@@ -45,8 +48,8 @@ struct StraightDrive {
                                       {Eigen::Quaterniond::Identity(), position_of(scan)});
       if (scan % 2 != 0 || record.state == "lost") continue;
       KeyFrame key_frame;
-      key_frame.index = scan / 2;
-      key_frame.segment = scan < second_segment_begin ? 0 : 1;
+      key_frame.index = first_index + scan / 2;
+      key_frame.segment = segment + (scan < second_segment_begin ? 0U : 1U);
       key_frame.stamp = record.stamp;
       key_frame.T_odom_base.translation = position_of(scan);
       key_frame.motion_covariance = diagonal_covariance(0.003, 0.0002);
@@ -75,15 +78,19 @@ Loop loop_between(KeyFrameIndex from, KeyFrameIndex to) {
   return loop;
 }
 
-/// Contents of doubt.csv of the drive with these loops.
-DriveDoubt doubt_of(const StraightDrive& drive, const std::vector<Loop>& loops = {}) {
+/// Contents of doubt.csv of the drives with these loops.
+DriveDoubt doubt_of(const std::vector<StraightDrive>& drives, const std::vector<Loop>& loops) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});
-  drive.write(back_end);
+  for (const StraightDrive& drive : drives) drive.write(back_end);
   for (const Loop& loop : loops) back_end.add_loop(loop);
   back_end.apply(*back_end::solve(*back_end.problem(true)), 0.0);
   back_end.write_files();
   return read_doubt(folder.path() / "doubt.csv");
+}
+
+DriveDoubt doubt_of(const StraightDrive& drive, const std::vector<Loop>& loops = {}) {
+  return doubt_of(std::vector<StraightDrive>{drive}, loops);
 }
 
 bool in_tunnel(KeyFrameIndex scan) { return scan >= 100 && scan < 300; }
@@ -163,6 +170,27 @@ TEST(DriveDoubt, DoesNotTrustDegradedSteps) {
   ASSERT_EQ(warnings(doubt).size(), 1U);
   EXPECT_NE(warnings(doubt).front().find("40 of its steps are degraded"), std::string::npos)
       << warnings(doubt).front();
+}
+
+// A session of two drives whose first one was recorded later.
+TEST(DriveDoubt, KnowsDrivesThatWereMergedInReverse) {
+  StraightDrive later = degraded_drive();
+  later.delay = from_seconds(1000.0);
+  StraightDrive earlier;
+  earlier.first_index = kScans / 2;
+  earlier.segment = 1;
+  const DriveDoubt doubt = doubt_of(std::vector<StraightDrive>{later, earlier}, {});
+  ASSERT_EQ(doubt.sections.size(), 2U);
+  const DoubtfulSection& between = doubt.sections[0];
+  EXPECT_EQ(between.doubt, Doubt::kLost);
+  EXPECT_EQ(between.begin, stamp_of(kScans - 2));
+  EXPECT_EQ(between.end, stamp_of(0) + later.delay);
+  const DoubtfulSection& degraded = doubt.sections[1];
+  EXPECT_EQ(degraded.doubt, Doubt::kDegraded);
+  EXPECT_EQ(degraded.begin, stamp_of(100) + later.delay);
+  EXPECT_FALSE(degraded.is_trusted);
+  EXPECT_GT(degraded.expected_error, 2.2);
+  EXPECT_LT(degraded.expected_error, 4.0);
 }
 
 TEST(DriveDoubt, TrustsDegradedStepsConstrainedByLoops) {
