@@ -21,6 +21,15 @@ constexpr std::size_t kShownBytes = 40;  // of a damaged cell in a message; chos
 constexpr double kMaxNumber = 1e100;
 
 bool is_number(double value) { return std::abs(value) <= kMaxNumber; }
+bool is_coordinate(double value) { return std::abs(value) <= kMaxCoordinate; }
+bool is_rotation(const Eigen::Quaterniond& rotation) {
+  constexpr double kNormTolerance = 0.5;  // chosen: only damage is to be found
+  return std::abs(rotation.norm() - 1.0) < kNormTolerance;
+}
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw InputError(what + " cannot be stored in a session");
+}
 
 [[noreturn]] void fail(sqlite3* database) {
   const char* file = sqlite3_db_filename(database, "main");
@@ -119,7 +128,7 @@ double Statement::read_coordinate() {
   const int column = column_;
   const bool has_value = !next_is_null();
   const double value = read_real();
-  require(has_value && std::abs(value) <= kMaxCoordinate, column, "a coordinate");
+  require(has_value && is_coordinate(value), column, "a coordinate");
   return value;
 }
 
@@ -163,8 +172,7 @@ Eigen::Quaterniond Statement::read_quaternion() {
   const int column = column_;
   const Eigen::Vector3d xyz = read_vector();
   const Eigen::Quaterniond rotation(read_coordinate(), xyz.x(), xyz.y(), xyz.z());
-  constexpr double kNormTolerance = 0.5;  // chosen: only damage is to be found
-  require(std::abs(rotation.norm() - 1.0) < kNormTolerance, column, "a quaternion of unit length");
+  require(is_rotation(rotation), column, "a quaternion of unit length");
   return rotation;
 }
 
@@ -223,10 +231,16 @@ void Transaction::commit() {
 }
 
 void append(Cells& cells, const Eigen::Vector3d& vector) {
-  for (const double value : {vector.x(), vector.y(), vector.z()}) cells.emplace_back(value);
+  for (const double value : {vector.x(), vector.y(), vector.z()}) {
+    if (!is_coordinate(value)) refuse("a coordinate of " + std::to_string(value));
+    cells.emplace_back(value);
+  }
 }
 
 void append(Cells& cells, const Eigen::Quaterniond& rotation) {
+  if (!is_rotation(rotation)) {
+    refuse("a quaternion of length " + std::to_string(rotation.norm()));
+  }
   for (const double value : {rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
     cells.emplace_back(value);
   }
@@ -235,6 +249,13 @@ void append(Cells& cells, const Eigen::Quaterniond& rotation) {
 void append(Cells& cells, const Pose& pose) {
   append(cells, pose.translation);
   append(cells, pose.rotation);
+}
+
+void append(Cells& cells, const Blob& blob) {
+  if (!std::all_of(blob.begin(), blob.end(), is_number)) {
+    refuse("a matrix with a number that is not finite");
+  }
+  cells.emplace_back(blob);
 }
 
 }  // namespace lidar_mapping::session

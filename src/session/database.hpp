@@ -93,11 +93,14 @@ class Transaction {
   bool committed_ = false;
 };
 
+// These throw InputError for numbers that the read_ functions refuse: a single one would make the
+// whole table unreadable.
 void append(Cells& cells, const Eigen::Vector3d& vector);
 /// Appends qx qy qz qw.
 void append(Cells& cells, const Eigen::Quaterniond& rotation);
 /// Appends x y z qx qy qz qw.
 void append(Cells& cells, const Pose& pose);
+void append(Cells& cells, const Blob& blob);
 
 template <typename Matrix>
 Blob to_blob(const Matrix& matrix) {

@@ -25,8 +25,8 @@ class Writer {
   void process(Verdict value) { cells.emplace_back(std::string(to_string(value))); }
   void process(const Eigen::Vector3d& value) { append(cells, value); }
   void process(const Pose& value) { append(cells, value); }
-  void process(const Covariance6& value) { cells.emplace_back(to_blob(value)); }
-  void process(const Eigen::Matrix3d& value) { cells.emplace_back(to_blob(value)); }
+  void process(const Covariance6& value) { append(cells, to_blob(value)); }
+  void process(const Eigen::Matrix3d& value) { append(cells, to_blob(value)); }
   void process(const std::optional<Eigen::Quaterniond>& value) {
     if (value) {
       append(cells, *value);
@@ -39,7 +39,7 @@ class Writer {
     for (const Eigen::Vector3d& value : values) {
       blob.insert(blob.end(), value.data(), value.data() + 3);
     }
-    cells.emplace_back(blob);
+    append(cells, blob);
   }
   /// Only the number of points of a cloud.
   void process(const PointCloudPtr& cloud) { process(cloud ? cloud->size() : std::size_t{0}); }

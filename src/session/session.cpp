@@ -82,10 +82,11 @@ void Session::add_key_frame(const KeyFrame& key_frame) {
     throw InputError("key frame " + std::to_string(key_frame.index) +
                      " is in the session already; one run must not use an index twice");
   }
+  const Cells cells = to_cells(key_frame);  // before its cloud is written: it may be refused
   if (key_frame.cloud && !impl_->clouds.is_cached(key_frame.index, key_frame.cloud)) {
     impl_->clouds.put(key_frame.index, key_frame.cloud);
   }
-  impl_->insert("INSERT", "key_frames", to_cells(key_frame));
+  impl_->insert("INSERT", "key_frames", cells);
 }
 
 void Session::add_loop(const Loop& loop) {

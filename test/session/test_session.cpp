@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <csignal>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -193,6 +194,30 @@ TEST(Session, RefusesAnIndexTwiceWithoutChange) {
   other.cloud = example_cloud(7, 99);
   EXPECT_THROW(session.add_key_frame(other), InputError);
   EXPECT_EQ(session.clouds().cloud(3)->size(), 100U);
+}
+
+// A reader takes such numbers for damage: one of them would make all of a drive unreadable.
+TEST(Session, RefusesNumbersThatItCouldNotReadBack) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  GnssPosition position;
+  position.p_enu_antenna.z() = kNaN;
+  EXPECT_THROW(session.add_gnss(position), InputError);
+  position.p_enu_antenna.z() = 2e9;
+  EXPECT_THROW(session.add_gnss(position), InputError);
+  ImuSample sample;
+  sample.orientation = Eigen::Quaterniond(0.0, 0.0, 0.0, 0.0);
+  EXPECT_THROW(session.add_imu(sample), InputError);
+  Floor floor;
+  floor.covariance(1, 1) = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(session.add_floor(floor), InputError);
+  KeyFrame key_frame = example_key_frame(3);
+  key_frame.T_odom_base.translation.x() = kNaN;
+  EXPECT_THROW(session.add_key_frame(key_frame), InputError);
+  EXPECT_FALSE(session.clouds().contains(3));
+  EXPECT_TRUE(session.gnss().empty() && session.imu().empty() && session.floors().empty());
+  EXPECT_TRUE(session.key_frames().empty());
 }
 
 // A second start does not change the first run.

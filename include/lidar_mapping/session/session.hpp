@@ -51,8 +51,9 @@ struct RevisionRecord : UsageCounts {
 /// key_frames/000123.pcd (doc/session.md describes both). When an add_ or set_ function returns,
 /// its data are stored completely; a process that is killed leaves no partial data. Existing data
 /// of sensors are never overwritten. The class may be called from one thread at a time, except
-/// clouds(), which is thread-safe. All functions throw FileError if disk or database fail; the
-/// session is then unchanged.
+/// clouds(), which is thread-safe. All functions throw FileError if disk or database fail. Data
+/// that could not be read back, such as a coordinate that is not finite, are refused with
+/// InputError. The session is then unchanged.
 class Session {
  public:
   /// How a session is opened.
