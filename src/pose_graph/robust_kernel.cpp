@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,125 +13,84 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
+/// Writes the loss of a squared norm s and its two derivatives to `rho`. The scale is the size c of
+/// the kernel, or its square c2.
+using Rho = void (*)(double s, double scale, double rho[3]);
+
+class KernelLoss : public ceres::LossFunction {
+ public:
+  KernelLoss(Rho rho, double scale) : rho_(rho), scale_(scale) {}
+
+  void Evaluate(double s, double rho[3]) const override { rho_(s, scale_, rho); }
+
+ private:
+  Rho rho_;
+  double scale_;
+};
+
 /// Dynamic covariance scaling as a loss: quadratic up to phi, then bounded by 3 phi.
-class DcsLoss : public ceres::LossFunction {
- public:
-  explicit DcsLoss(double phi) : phi_(phi) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    if (s <= phi_) {
-      rho[0] = s;
-      rho[1] = 1.0;
-      rho[2] = 0.0;
-      return;
-    }
-    const double sum = phi_ + s;
-    rho[0] = (3.0 * phi_ * s - phi_ * phi_) / sum;
-    rho[1] = 4.0 * phi_ * phi_ / (sum * sum);
-    rho[2] = -2.0 * rho[1] / sum;
+void dcs(double s, double phi, double rho[3]) {
+  if (s <= phi) {
+    rho[0] = s;
+    rho[1] = 1.0;
+    rho[2] = 0.0;
+    return;
   }
+  const double sum = phi + s;
+  rho[0] = (3.0 * phi * s - phi * phi) / sum;
+  rho[1] = 4.0 * phi * phi / (sum * sum);
+  rho[2] = -2.0 * rho[1] / sum;
+}
 
- private:
-  double phi_;
-};
-
-class GemanMcClureLoss : public ceres::LossFunction {
- public:
-  explicit GemanMcClureLoss(double squared_size) : c2_(squared_size) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    const double sum = c2_ + s;
-    rho[0] = c2_ * s / sum;
-    rho[1] = c2_ * c2_ / (sum * sum);
-    rho[2] = -2.0 * rho[1] / sum;
-  }
-
- private:
-  double c2_;
-};
+void geman_mcclure(double s, double c2, double rho[3]) {
+  const double sum = c2 + s;
+  rho[0] = c2 * s / sum;
+  rho[1] = c2 * c2 / (sum * sum);
+  rho[2] = -2.0 * rho[1] / sum;
+}
 
 /// 2 c^2 (r / c - ln(1 + r / c)) of the norm r.
-class FairLoss : public ceres::LossFunction {
- public:
-  explicit FairLoss(double size) : c_(size) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    const double r = std::sqrt(s);
-    const double sum = c_ + r;
-    rho[0] = 2.0 * c_ * (r - c_ * std::log1p(r / c_));
-    rho[1] = c_ / sum;
-    // The second derivative has a pole at zero; only the first one is needed there.
-    rho[2] = r > 0.0 ? -0.5 * c_ / (r * sum * sum) : 0.0;
-  }
-
- private:
-  double c_;
-};
+void fair(double s, double c, double rho[3]) {
+  const double r = std::sqrt(s);
+  const double sum = c + r;
+  rho[0] = 2.0 * c * (r - c * std::log1p(r / c));
+  rho[1] = c / sum;
+  // The second derivative has a pole at zero; only the first one is needed there.
+  rho[2] = r > 0.0 ? -0.5 * c / (r * sum * sum) : 0.0;
+}
 
 /// 2 c^2 (sqrt(1 + s / c^2) - 1).
-class PseudoHuberLoss : public ceres::LossFunction {
- public:
-  explicit PseudoHuberLoss(double squared_size) : c2_(squared_size) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    const double root = std::sqrt(1.0 + s / c2_);
-    rho[0] = 2.0 * c2_ * (root - 1.0);
-    rho[1] = 1.0 / root;
-    rho[2] = -0.5 / (c2_ * root * root * root);
-  }
-
- private:
-  double c2_;
-};
+void pseudo_huber(double s, double c2, double rho[3]) {
+  const double root = std::sqrt(1.0 + s / c2);
+  rho[0] = 2.0 * c2 * (root - 1.0);
+  rho[1] = 1.0 / root;
+  rho[2] = -0.5 / (c2 * root * root * root);
+}
 
 /// Quadratic up to c, constant beyond.
-class SaturatedLoss : public ceres::LossFunction {
- public:
-  explicit SaturatedLoss(double squared_size) : c2_(squared_size) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    const bool inside = s <= c2_;
-    rho[0] = inside ? s : c2_;
-    rho[1] = inside ? 1.0 : 0.0;
-    rho[2] = 0.0;
-  }
-
- private:
-  double c2_;
-};
+void saturated(double s, double c2, double rho[3]) {
+  const bool inside = s <= c2;
+  rho[0] = inside ? s : c2;
+  rho[1] = inside ? 1.0 : 0.0;
+  rho[2] = 0.0;
+}
 
 /// Tukey's biweight, c^2 / 3 (1 - (1 - s / c^2)^3) up to c and constant beyond. The class of older
 /// versions of Ceres has half of this derivative.
-class TukeyLoss : public ceres::LossFunction {
- public:
-  explicit TukeyLoss(double squared_size) : c2_(squared_size) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    const double complement = s <= c2_ ? 1.0 - s / c2_ : 0.0;
-    rho[0] = c2_ / 3.0 * (1.0 - complement * complement * complement);
-    rho[1] = complement * complement;
-    rho[2] = -2.0 / c2_ * complement;
-  }
-
- private:
-  double c2_;
-};
+void tukey(double s, double c2, double rho[3]) {
+  const double complement = s <= c2 ? 1.0 - s / c2 : 0.0;
+  rho[0] = c2 / 3.0 * (1.0 - complement * complement * complement);
+  rho[1] = complement * complement;
+  rho[2] = -2.0 / c2 * complement;
+}
 
 /// c^2 (1 - exp(-s / c^2)).
-class WelschLoss : public ceres::LossFunction {
- public:
-  explicit WelschLoss(double squared_size) : c2_(squared_size) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    const double decay = std::exp(-s / c2_);
-    rho[0] = c2_ * (1.0 - decay);
-    rho[1] = decay;
-    rho[2] = -decay / c2_;
-  }
-
- private:
-  double c2_;
-};
+void welsch(double s, double c2, double rho[3]) {
+  const double decay = std::exp(-s / c2);
+  rho[0] = c2 * (1.0 - decay);
+  rho[1] = decay;
+  rho[2] = -decay / c2;
+}
 
 }  // namespace
 
@@ -167,21 +125,21 @@ std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double siz
     case RobustKernel::kHuber:
       return std::make_unique<ceres::HuberLoss>(size);
     case RobustKernel::kPseudoHuber:
-      return std::make_unique<PseudoHuberLoss>(size * size);
+      return std::make_unique<KernelLoss>(pseudo_huber, size * size);
     case RobustKernel::kFair:
-      return std::make_unique<FairLoss>(size);
+      return std::make_unique<KernelLoss>(fair, size);
     case RobustKernel::kSaturated:
-      return std::make_unique<SaturatedLoss>(size * size);
+      return std::make_unique<KernelLoss>(saturated, size * size);
     case RobustKernel::kTukey:
-      return std::make_unique<TukeyLoss>(size * size);
+      return std::make_unique<KernelLoss>(tukey, size * size);
     case RobustKernel::kWelsch:
-      return std::make_unique<WelschLoss>(size * size);
+      return std::make_unique<KernelLoss>(welsch, size * size);
     case RobustKernel::kCauchy:
       return std::make_unique<ceres::CauchyLoss>(size);
     case RobustKernel::kDcs:
-      return std::make_unique<DcsLoss>(size * size);
+      return std::make_unique<KernelLoss>(dcs, size * size);
     case RobustKernel::kGemanMcClure:
-      return std::make_unique<GemanMcClureLoss>(size * size);
+      return std::make_unique<KernelLoss>(geman_mcclure, size * size);
   }
   return nullptr;
 }
