@@ -77,19 +77,17 @@ class Line {
   const char* rest_;
 };
 
-Pose read_pose(Line& line) {
+/// x y yaw, or x y z qx qy qz qw.
+Pose read_pose(Line& line, bool planar) {
   Pose pose;
-  for (int i = 0; i < 3; ++i) pose.translation[i] = line.coordinate();
+  for (int i = 0; i < (planar ? 2 : 3); ++i) pose.translation[i] = line.coordinate();
+  if (planar) {
+    pose.rotation = exp_so3({0.0, 0.0, line.coordinate()});
+    return pose;
+  }
   for (int i = 0; i < 4; ++i) pose.rotation.coeffs()[i] = line.coordinate();
   if (pose.rotation.norm() < 1e-6) line.fail("the quaternion is zero");
   pose.rotation.normalize();
-  return pose;
-}
-
-Pose read_planar_pose(Line& line) {
-  Pose pose;
-  for (int i = 0; i < 2; ++i) pose.translation[i] = line.coordinate();
-  pose.rotation = exp_so3({0.0, 0.0, line.coordinate()});
   return pose;
 }
 
@@ -97,26 +95,23 @@ bool is_positive_definite(const Matrix6d& matrix) {
   return Eigen::LLT<Matrix6d>(matrix).info() == Eigen::Success;
 }
 
-Matrix6d read_information(Line& line) {
-  Matrix6d information;
+/// Calls `visit` with the row and the column of each entry of the upper triangle of an information
+/// matrix that a file has, in its order.
+template <typename Visit>
+void visit_information(bool planar, const Visit& visit) {
+  const auto is_planar = [](int i) { return i < 2 || i == 5; };  // x, y, yaw
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
-      information(row, column) = information(column, row) = line.number();
+      if (!planar || (is_planar(row) && is_planar(column))) visit(row, column);
     }
   }
-  return information;
 }
 
-Matrix6d read_planar_information(Line& line) {
-  constexpr std::array<int, 3> kRows = {0, 1, 5};
+Matrix6d read_information(Line& line, bool planar) {
   Matrix6d information = Matrix6d::Identity();
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = row; column < 3; ++column) {
-      const double value = line.number();
-      information(kRows[row], kRows[column]) = value;
-      information(kRows[column], kRows[row]) = value;
-    }
-  }
+  visit_information(planar, [&](int row, int column) {
+    information(row, column) = information(column, row) = line.number();
+  });
   return information;
 }
 
@@ -158,7 +153,7 @@ class Reader {
   void add_vertex(Line& line, bool planar) {
     require_kind(line, planar);
     const std::int64_t id = line.id();
-    const Pose pose = planar ? read_planar_pose(line) : read_pose(line);
+    const Pose pose = read_pose(line, planar);
     if (!vertices_.emplace(id, pose).second) {
       line.fail("vertex " + std::to_string(id) + " is given twice; remove one line");
     }
@@ -170,8 +165,8 @@ class Reader {
     edge.from = line.id();
     edge.to = line.id();
     if (edge.from == edge.to) line.fail("the edge joins a vertex with itself");
-    edge.T_from_to = planar ? read_planar_pose(line) : read_pose(line);
-    edge.information = planar ? read_planar_information(line) : read_information(line);
+    edge.T_from_to = read_pose(line, planar);
+    edge.information = read_information(line, planar);
     if (!is_positive_definite(edge.information)) repair(line, edge.information);
     file_.graph.edges.push_back(edge);
   }
@@ -229,23 +224,13 @@ class Reader {
   std::size_t repaired_ = 0;
 };
 
-void write_pose(std::ostream& out, const Pose& pose) {
-  for (int i = 0; i < 3; ++i) out << ' ' << pose.translation[i];
-  for (int i = 0; i < 4; ++i) out << ' ' << pose.rotation.coeffs()[i];
-}
-
-void write_planar_pose(std::ostream& out, const Pose& pose) {
-  out << ' ' << pose.translation.x() << ' ' << pose.translation.y() << ' ' << yaw_of(pose.rotation);
-}
-
-void write_information(std::ostream& out, const Matrix6d& information, bool planar) {
-  const std::vector<int> rows =
-      planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (std::size_t column = row; column < rows.size(); ++column) {
-      out << ' ' << information(rows[row], rows[column]);
-    }
+void write_pose(std::ostream& out, const Pose& pose, bool planar) {
+  for (int i = 0; i < (planar ? 2 : 3); ++i) out << ' ' << pose.translation[i];
+  if (planar) {
+    out << ' ' << yaw_of(pose.rotation);
+    return;
   }
+  for (int i = 0; i < 4; ++i) out << ' ' << pose.rotation.coeffs()[i];
 }
 
 }  // namespace
@@ -266,13 +251,14 @@ void write_g2o(const PoseGraph& graph, std::ostream& out) {
   out << std::setprecision(17);
   for (const PoseNode& node : graph.nodes) {
     out << (graph.planar ? "VERTEX_SE2 " : "VERTEX_SE3:QUAT ") << node.id;
-    graph.planar ? write_planar_pose(out, node.pose) : write_pose(out, node.pose);
+    write_pose(out, node.pose, graph.planar);
     out << '\n';
   }
   for (const PoseEdge& edge : graph.edges) {
     out << (graph.planar ? "EDGE_SE2 " : "EDGE_SE3:QUAT ") << edge.from << ' ' << edge.to;
-    graph.planar ? write_planar_pose(out, edge.T_from_to) : write_pose(out, edge.T_from_to);
-    write_information(out, edge.information, graph.planar);
+    write_pose(out, edge.T_from_to, graph.planar);
+    visit_information(graph.planar,
+                      [&](int row, int column) { out << ' ' << edge.information(row, column); });
     out << '\n';
   }
 }

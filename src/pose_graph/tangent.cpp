@@ -74,10 +74,6 @@ bool TangentUpdate::MinusJacobian(const double*, double* jacobian) const {
   return true;
 }
 
-void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& update) {
-  problem.AddParameterBlock(block, kPoseBlockSize, &update);
-}
-
 #else
 
 bool TangentUpdate::ComputeJacobian(const double*, double* jacobian) const {
@@ -85,11 +81,11 @@ bool TangentUpdate::ComputeJacobian(const double*, double* jacobian) const {
   return true;
 }
 
+#endif
+
 void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& update) {
   problem.AddParameterBlock(block, kPoseBlockSize, &update);
 }
-
-#endif
 
 ceres::Problem::Options non_owning_problem_options() {
   ceres::Problem::Options options;
