@@ -30,10 +30,6 @@ struct CumulativeSums {
   std::vector<std::size_t> begin;
 };
 
-bool is_used(int constraint, const std::vector<bool>& used) {
-  return constraint >= 0 && used[static_cast<std::size_t>(constraint)];
-}
-
 Vector6d motion_error(const DriveGraph& drive, const BackEndConfig& config,
                       const pose_graph::FactorGraph& graph, std::size_t node) {
   const Pose measured = motion_to(drive, node);

@@ -63,13 +63,13 @@ void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFac
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     if (!drive.nodes[i].connected) continue;
     const int to = static_cast<int>(i);
-    factors.motion_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information =
         pose_graph::g2o_information(motion_covariance_to(drive, i, config));
     const bool doubtful = drive.nodes[i].doubtful;
-    factors.graph.add({pose_graph::relative_pose_residual(motion_to(drive, i), information), to - 1,
-                       to, false, doubtful ? kDoubtfulKernel : config.odometry_robust_kernel,
-                       doubtful ? kDoubtfulKernelSize : config.robust_kernel_size, doubtful});
+    factors.motion_of[i] = factors.graph.add(
+        {pose_graph::relative_pose_residual(motion_to(drive, i), information), to - 1, to, false,
+         doubtful ? kDoubtfulKernel : config.odometry_robust_kernel,
+         doubtful ? kDoubtfulKernelSize : config.robust_kernel_size, doubtful});
   }
 }
 
@@ -79,12 +79,11 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
     if (loop.loop.decision == LoopDecision::kRefuse) continue;
     // A loop that a person accepted has no kernel and is never refused, like odometry.
     const bool is_switchable = loop.loop.decision == LoopDecision::kAuto;
-    factors.loop_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information = pose_graph::g2o_information(loop_covariance(loop.loop, config));
-    factors.graph.add({pose_graph::relative_pose_residual(loop.loop.T_from_to, information),
-                       loop.from, loop.to, is_switchable,
-                       is_switchable ? config.loop_robust_kernel : pose_graph::RobustKernel::kNone,
-                       config.robust_kernel_size});
+    factors.loop_of[i] = factors.graph.add(
+        {pose_graph::relative_pose_residual(loop.loop.T_from_to, information), loop.from, loop.to,
+         is_switchable, is_switchable ? config.loop_robust_kernel : pose_graph::RobustKernel::kNone,
+         config.robust_kernel_size});
   }
 }
 

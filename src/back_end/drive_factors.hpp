@@ -18,6 +18,12 @@ struct DriveFactors {
   std::vector<int> horizontal_of;  ///< horizontal constraint of each GNSS position; -1: none
   std::vector<int> altitude_of;
 };
+
+/// True if there is such a constraint and the solution uses it.
+inline bool is_used(int constraint, const std::vector<bool>& used) {
+  return constraint >= 0 && used[static_cast<std::size_t>(constraint)];
+}
+
 DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end

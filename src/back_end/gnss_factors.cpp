@@ -55,17 +55,17 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
     const DriveGnss& gnss = drive.gnss[i];
     if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
     const GnssPosition p = delay_corrected_position(drive, gnss);
-    factors.horizontal_of[i] = static_cast<int>(factors.graph.constraints.size());
-    factors.graph.add({pose_graph::antenna_horizontal_residual(
-                           p.p_enu_antenna, p.p_base_antenna,
-                           covariance_factor[i] * horizontal_covariance(p, config)),
-                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.horizontal_of[i] = factors.graph.add(
+        {pose_graph::antenna_horizontal_residual(
+             p.p_enu_antenna, p.p_base_antenna,
+             covariance_factor[i] * horizontal_covariance(p, config)),
+         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
     if (!has_altitude(p)) continue;
-    factors.altitude_of[i] = static_cast<int>(factors.graph.constraints.size());
-    factors.graph.add({pose_graph::antenna_altitude_residual(
-                           p.p_enu_antenna.z(), p.p_base_antenna,
-                           std::sqrt(covariance_factor[i]) * altitude_stddev(p, config)),
-                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.altitude_of[i] = factors.graph.add(
+        {pose_graph::antenna_altitude_residual(
+             p.p_enu_antenna.z(), p.p_base_antenna,
+             std::sqrt(covariance_factor[i]) * altitude_stddev(p, config)),
+         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
   }
 }
 

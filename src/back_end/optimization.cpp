@@ -39,12 +39,7 @@ void chain_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
 bool solve_from_current(DriveFactors& factors, pose_graph::RobustSolution& solution) {
   solution = pose_graph::solve_selected(factors.graph, factors.selected,
                                         {50, std::nullopt, kCostTolerance});
-  if (!solution.success) return false;
-  const std::vector<bool> consistent = pose_graph::consistent_constraints(factors.graph);
-  for (std::size_t i = 0; i < consistent.size(); ++i) {
-    if (factors.selected[i] != consistent[i]) return false;
-  }
-  return true;
+  return solution.success && pose_graph::consistent_constraints(factors.graph) == factors.selected;
 }
 
 pose_graph::RobustSolution solve_factors(const DriveGraph& drive, const BackEndConfig& config,
@@ -61,23 +56,19 @@ pose_graph::RobustSolution solve_factors(const DriveGraph& drive, const BackEndC
   return solution;
 }
 
-bool used(const pose_graph::RobustSolution& solution, int constraint) {
-  return constraint >= 0 && solution.used[static_cast<std::size_t>(constraint)];
-}
-
 void store_solution(const DriveFactors& factors, const pose_graph::RobustSolution& solution,
                     DriveGraph& drive) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     drive.nodes[i].T_map_base = factors.graph.pose(static_cast<int>(i));
   }
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
-    drive.loops[i].used = used(solution, factors.loop_of[i]);
+    drive.loops[i].used = is_used(factors.loop_of[i], solution.used);
     drive.loops[i].evaluated =
         factors.loop_of[i] >= 0 || drive.loops[i].loop.decision == LoopDecision::kRefuse;
   }
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
-    drive.gnss[i].horizontal_used = used(solution, factors.horizontal_of[i]);
-    drive.gnss[i].altitude_used = used(solution, factors.altitude_of[i]);
+    drive.gnss[i].horizontal_used = is_used(factors.horizontal_of[i], solution.used);
+    drive.gnss[i].altitude_used = is_used(factors.altitude_of[i], solution.used);
     drive.gnss[i].evaluated = factors.horizontal_of[i] >= 0;
   }
 }
@@ -140,9 +131,9 @@ void solve_with_estimated_errors(const BackEndConfig& config, DriveFactors& fact
   store_solution(factors, solution, drive);
 }
 
-bool has_used(const std::vector<int>& constraints, const pose_graph::RobustSolution& solution) {
+bool uses_any(const std::vector<int>& constraints, const pose_graph::RobustSolution& solution) {
   return std::any_of(constraints.begin(), constraints.end(),
-                     [&](int constraint) { return used(solution, constraint); });
+                     [&](int constraint) { return is_used(constraint, solution.used); });
 }
 
 /// Counts for the whole drive: those so far, without the solved part, plus the new ones.
@@ -235,7 +226,7 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   pose_graph::RobustSolution solution =
       solve_factors(drive, problem.config, factors, problem.thorough || alignment.newly_aligned);
   if (solution.success) store_solution(factors, solution, drive);
-  if (solution.success && has_used(factors.horizontal_of, solution)) {
+  if (solution.success && uses_any(factors.horizontal_of, solution)) {
     solve_with_estimated_errors(problem.config, factors, solution, drive);
   }
   if (solution.success) {

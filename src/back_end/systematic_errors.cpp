@@ -96,8 +96,7 @@ void add_delay_and_lever_arm(const DriveGraph& drive, const DriveFactors& factor
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     const int position = factors.horizontal_of[i];
     const auto segment = static_cast<std::size_t>(drive.segment_of(drive.gnss[i].node));
-    if (position < 0 || !used[static_cast<std::size_t>(position)]) continue;
-    if (!drive.gnss_delays[segment].is_corrected()) continue;
+    if (!is_used(position, used) || !drive.gnss_delays[segment].is_corrected()) continue;
     Displacements displacements = Displacements::Zero();
     displacements.col(kDelay) = -antenna_velocity(drive, drive.gnss[i]);
     displacements.col(kLeverArmX) = Eigen::Vector3d::UnitX();

@@ -142,12 +142,13 @@ std::string validation_error(const Constraint& constraint, const FactorGraph& gr
 
 }  // namespace
 
-void FactorGraph::add(Constraint constraint) {
+int FactorGraph::add(Constraint constraint) {
   const std::string problem = validation_error(constraint, *this);
   if (!problem.empty()) {
     throw InputError("constraint " + std::to_string(constraints.size()) + " " + problem);
   }
   constraints.push_back(std::move(constraint));
+  return static_cast<int>(constraints.size()) - 1;
 }
 
 int FactorGraph::add_node(const Pose& pose, bool is_fixed) {

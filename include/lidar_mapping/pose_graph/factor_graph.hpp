@@ -43,9 +43,10 @@ struct FactorGraph {
 
   /// Adds a node with a start pose and returns its number. A fixed node keeps its state.
   int add_node(const Pose& pose, bool is_fixed = false);
-  /// Adds a constraint. Throws InputError unless its residual has 1 to kMaxResidualRows rows and
-  /// one parameter block per node in the size of this graph's states, and the nodes exist already.
-  void add(Constraint constraint);
+  /// Adds a constraint and returns its number. Throws InputError unless its residual has 1 to
+  /// kMaxResidualRows rows and one parameter block per node in the size of this graph's states, and
+  /// the nodes exist already.
+  int add(Constraint constraint);
   /// Current pose of a node.
   Pose pose(int node) const;
   /// Replaces the state of a node; planar graphs take x, y and yaw of the pose.
