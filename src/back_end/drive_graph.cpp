@@ -24,14 +24,9 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluat
 
 namespace {
 
-const Floor* floor_at(const DriveGraph& drive, std::size_t node) {
-  const auto found = std::lower_bound(drive.floors.begin(), drive.floors.end(), node,
-                                      [](const DriveFloor& floor, std::size_t at) {
-                                        return static_cast<std::size_t>(floor.node) < at;
-                                      });
-  const bool has_floor =
-      found != drive.floors.end() && static_cast<std::size_t>(found->node) == node;
-  return has_floor ? &found->floor : nullptr;
+const Floor* floor_at(const DriveGraph& drive, int node) {
+  const auto found = first_from(node, drive.floors);
+  return found != drive.floors.end() && found->node == node ? &found->floor : nullptr;
 }
 
 /// Fraction of the drift in height, roll and pitch that remains for a motion between two floors.
@@ -40,8 +35,8 @@ const Floor* floor_at(const DriveGraph& drive, std::size_t node) {
 double drift_fraction_between_floors(const DriveGraph& drive, std::size_t node,
                                      const Vector6d& drift, const BackEndConfig& config) {
   if (config.floor_constraint != FloorConstraint::kNeighbours) return 1.0;
-  const Floor* before = floor_at(drive, node - 1);
-  const Floor* after = floor_at(drive, node);
+  const Floor* before = floor_at(drive, static_cast<int>(node) - 1);
+  const Floor* after = floor_at(drive, static_cast<int>(node));
   if (before == nullptr || after == nullptr) return 1.0;
   const Eigen::Matrix3d scatter = neighbours_covariance(*before, *after, config);
   const double tilt = std::sqrt(std::max(scatter(0, 0), scatter(1, 1)));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -79,6 +80,13 @@ struct NodeMeasurements {
   std::vector<DriveImu> imu;
   std::vector<DriveFloor> floors;
 };
+
+/// The first of such values at this node or after it.
+template <typename Values>
+auto first_from(int node, Values& values) {
+  return std::lower_bound(values.begin(), values.end(), node,
+                          [](const auto& value, int wanted) { return value.node < wanted; });
+}
 
 /// All data of a drive in the back end, as values.
 struct DriveGraph : NodeMeasurements {

@@ -18,9 +18,7 @@ void propagate_odometry(std::size_t first, DriveGraph& drive) {
 }
 
 void copy_usage(const DriveGnss& solved, int node, DriveGraph& drive) {
-  const auto found =
-      std::lower_bound(drive.gnss.begin(), drive.gnss.end(), node,
-                       [](const DriveGnss& gnss, int wanted) { return gnss.node < wanted; });
+  const auto found = first_from(node, drive.gnss);
   found->horizontal_used = solved.horizontal_used;
   found->altitude_used = solved.altitude_used;
   found->evaluated = solved.evaluated;

@@ -103,8 +103,7 @@ template <typename Value>
 std::vector<Value> in_window(const std::vector<Value>& values, const DriveWindow& window) {
   std::vector<Value> result;
   for (const int node : window.nodes) {
-    const auto found = std::lower_bound(values.begin(), values.end(), node,
-                                        [](const Value& v, int wanted) { return v.node < wanted; });
+    const auto found = first_from(node, values);
     if (found == values.end() || found->node != node) continue;
     result.push_back(*found);
     result.back().node = position_in_window(window, node);

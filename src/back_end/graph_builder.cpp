@@ -18,9 +18,7 @@ namespace {
 /// already.
 template <typename Value>
 bool insert_by_node(const Value& value, std::vector<Value>& list) {
-  const auto after =
-      std::lower_bound(list.begin(), list.end(), value.node,
-                       [](const Value& entry, int node) { return entry.node < node; });
+  const auto after = first_from(value.node, list);
   if (after != list.end() && after->node == value.node) return false;
   list.insert(after, value);
   return true;
