@@ -31,10 +31,13 @@ bool is_rotation(const Eigen::Quaterniond& rotation) {
   throw InputError(what + " cannot be stored in a session");
 }
 
-[[noreturn]] void fail(sqlite3* database) {
+std::string name_of(sqlite3* database) {
   const char* file = sqlite3_db_filename(database, "main");
-  throw FileError(std::string(file != nullptr ? file : "session database") + ": " +
-                  sqlite3_errmsg(database));
+  return file != nullptr ? file : "session database";
+}
+
+[[noreturn]] void fail(sqlite3* database) {
+  throw FileError(name_of(database) + ": " + sqlite3_errmsg(database));
 }
 
 void check(int code, sqlite3* database) {
@@ -90,9 +93,7 @@ bool Statement::step() {
   return code == SQLITE_ROW;
 }
 
-bool Statement::next_is_null() const {
-  return sqlite3_column_type(statement_.get(), column_) == SQLITE_NULL;
-}
+bool Statement::next_is_null() const { return type_of(column_) == SQLITE_NULL; }
 
 /// Checks such as for a text in a column of numbers. Only damaged files fail them.
 void Statement::require(bool is_sound, int column, const std::string& expected) const {
@@ -100,11 +101,9 @@ void Statement::require(bool is_sound, int column, const std::string& expected) 
   const auto* shown = sqlite3_column_text(statement_.get(), column);
   const std::string shown_text =
       shown == nullptr ? "nothing" : reinterpret_cast<const char*>(shown);
-  const char* file = sqlite3_db_filename(database_, "main");
-  throw FileError(std::string(file != nullptr ? file : "session database") + ": a row has '" +
-                  shown_text.substr(0, kShownBytes) + "' as " +
-                  sqlite3_column_name(statement_.get(), column) + " instead of " + expected +
-                  "; the session is damaged");
+  throw FileError(name_of(database_) + ": a row has '" + shown_text.substr(0, kShownBytes) +
+                  "' as " + sqlite3_column_name(statement_.get(), column) + " instead of " +
+                  expected + "; the session is damaged");
 }
 
 int Statement::type_of(int column) const { return sqlite3_column_type(statement_.get(), column); }

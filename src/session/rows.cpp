@@ -106,20 +106,11 @@ class Reader {
   Statement& row_;
 };
 
-/// Passes fields to a writer or a reader from left to right.
-template <typename Archive>
-struct Each {
-  Archive& archive;
-  template <typename... Fields>
-  void operator()(Fields&... fields) {
-    (archive.process(fields), ...);
-  }
-};
-
 template <typename Value>
 struct Row {};
 
-// The columns of each table, defined once for writing (V is const) and reading.
+// The columns of each table, defined once for writing (V is const) and reading. `each` takes the
+// fields from left to right.
 
 template <typename V, typename Each>
 void visit(Row<KeyFrame>, V& v, Each each) {
@@ -173,7 +164,7 @@ void visit(Row<RevisionRecord>, V& v, Each each) {
 template <typename Value>
 Cells to_row(const Value& value) {
   Writer writer;
-  visit(Row<Value>(), value, Each<Writer>{writer});
+  visit(Row<Value>(), value, [&](const auto&... fields) { (writer.process(fields), ...); });
   return writer.cells;
 }
 
@@ -181,7 +172,7 @@ template <typename Value>
 Value from_row(Statement& row) {
   Reader reader(row);
   Value value;
-  visit(Row<Value>(), value, Each<Reader>{reader});
+  visit(Row<Value>(), value, [&](auto&... fields) { (reader.process(fields), ...); });
   return value;
 }
 

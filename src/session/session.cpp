@@ -28,15 +28,10 @@ std::string indented(const std::string& yaml) {
 
 }  // namespace
 
-class Session::Batch::Impl {
- public:
-  explicit Impl(Database& database) : transaction(database) {}
-  Transaction transaction;
-};
-
-Session::Batch::Batch(Session& session) : impl_(std::make_unique<Impl>(session.impl_->database)) {}
+Session::Batch::Batch(Session& session)
+    : transaction_(std::make_unique<Transaction>(session.impl_->database)) {}
 Session::Batch::~Batch() = default;
-void Session::Batch::commit() { impl_->transaction.commit(); }
+void Session::Batch::commit() { transaction_->commit(); }
 
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Session::Session(Session&&) noexcept = default;

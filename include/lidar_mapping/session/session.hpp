@@ -19,6 +19,8 @@
 
 namespace lidar_mapping::session {
 
+class Transaction;
+
 /// The front end's status of one scan.
 struct ScanRecord {
   Stamp stamp = 0;                 ///< stamp of the scan
@@ -75,8 +77,7 @@ class Session {
     void commit();
 
    private:
-    class Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<Transaction> transaction_;
   };
 
   /// Creates a session in a new folder such as root/2011-10-03_12-55-34 (with -2, -3 ... if that
