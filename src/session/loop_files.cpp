@@ -70,55 +70,31 @@ Pose pose_of(const std::vector<double>& numbers) {
   return pose;
 }
 
-/// Reads all numbers to the end of the line: two indices, then coordinates and angles. Returns
-/// false if there is anything else.
-bool read_numbers(std::istream& stream, std::vector<double>& numbers) {
-  try {
-    for (std::string word; stream >> word;) {
-      numbers.push_back(numbers.size() < 2 ? finite_number(word) : coordinate(word));
-    }
-  } catch (const InputError&) {
-    return false;
-  }
-  return true;
+/// Throws InputError for a word that is no index of a key frame.
+double index_of(const std::string& word) {
+  const double number = finite_number(word);
+  if (number >= 0.0 && number <= 4294967295.0 && number == std::floor(number)) return number;
+  throw InputError("'" + word + "' is no index");
 }
 
-bool is_index(double number) {
-  return number >= 0.0 && number <= 4294967295.0 && number == std::floor(number);
-}
-
-[[noreturn]] void throw_malformed_line(const std::string& where, const std::string& line) {
-  throw InputError(where + ": cannot understand '" + line +
-                   "'; wanted auto, accept or refuse FROM TO, or add FROM TO [X Y Z [ROLL PITCH "
-                   "YAW]]");
-}
-
-LoopEdit parse_edit(const std::string& line, const std::string& where) {
-  std::istringstream stream(line);
+/// The edit of a line without its comment. Throws InputError if it has another form.
+LoopEdit edit_of(const std::string& line) {
+  std::istringstream words(line);
   std::string word;
-  std::vector<double> numbers;
-  stream >> word;
-  if (!read_numbers(stream, numbers) || numbers.size() < 2) throw_malformed_line(where, line);
-  if (!is_index(numbers[0]) || !is_index(numbers[1])) throw_malformed_line(where, line);
+  words >> word;
   LoopEdit edit;
-  edit.where = where;
   edit.add = word == "add";
-  if (edit.add) {
-    edit.decision = LoopDecision::kAccept;
-    const std::vector<double> guess(numbers.begin() + 2, numbers.end());
-    if (!guess.empty() && guess.size() != 3 && guess.size() != 6) throw_malformed_line(where, line);
-    if (!guess.empty()) edit.guess = pose_of(guess);
-  } else {
-    if (numbers.size() != 2) throw_malformed_line(where, line);
-    try {
-      edit.decision = loop_decision_from(word);
-    } catch (const InputError&) {
-      throw_malformed_line(where, line);
-    }
+  edit.decision = edit.add ? LoopDecision::kAccept : loop_decision_from(word);
+  std::vector<double> numbers;
+  while (words >> word) numbers.push_back(numbers.size() < 2 ? index_of(word) : coordinate(word));
+  const bool has_guess = edit.add && (numbers.size() == 5 || numbers.size() == 8);
+  if (numbers.size() != 2 && !has_guess) {
+    throw InputError(std::to_string(numbers.size()) + " numbers");
   }
   edit.from = static_cast<KeyFrameIndex>(std::min(numbers[0], numbers[1]));
   edit.to = static_cast<KeyFrameIndex>(std::max(numbers[0], numbers[1]));
-  if (edit.guess && numbers[0] > numbers[1]) edit.guess = edit.guess->inverse();
+  if (has_guess) edit.guess = pose_of({numbers.begin() + 2, numbers.end()});
+  if (has_guess && numbers[0] > numbers[1]) edit.guess = edit.guess->inverse();
   return edit;
 }
 
@@ -176,7 +152,15 @@ std::vector<LoopEdit> read_loop_list(const std::filesystem::path& path) {
   for (int number = 1; std::getline(file, line); ++number) {
     const std::string content = line.substr(0, line.find('#'));
     if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
-    edits.push_back(parse_edit(content, path.string() + ":" + std::to_string(number)));
+    const std::string where = path.string() + ":" + std::to_string(number);
+    try {
+      edits.push_back(edit_of(content));
+    } catch (const InputError& error) {
+      throw InputError(where + ": cannot understand '" + content + "' (" + error.what() +
+                       "); wanted auto, accept or refuse FROM TO, or add FROM TO [X Y Z [ROLL "
+                       "PITCH YAW]]");
+    }
+    edits.back().where = where;
   }
   return edits;
 }
