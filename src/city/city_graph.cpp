@@ -92,8 +92,7 @@ class CityGraph {
 /// Orientations of the key frames in East-North-Up by the drive's own map; empty if that is not
 /// turned to it. The axes of two datums in one town differ by a small fraction of a degree.
 std::map<Stamp, Eigen::Quaterniond> headings_of(const Session& session, Stamp offset) {
-  std::map<Stamp, GnssPosition> positions;
-  for (const GnssPosition& position : session.gnss()) positions.emplace(position.stamp, position);
+  const std::map<Stamp, GnssPosition> positions = pipeline::by_stamp(session.gnss());
   std::map<Stamp, Eigen::Quaterniond> headings;
   std::vector<double> distances;
   for (const KeyFramePose& pose : session.poses().poses) {

@@ -9,9 +9,8 @@
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/pipeline/session_part.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
-
-#include "by_stamp.hpp"
 
 namespace lidar_mapping::pipeline {
 

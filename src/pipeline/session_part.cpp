@@ -7,21 +7,6 @@
 
 namespace lidar_mapping::pipeline {
 
-namespace {
-
-/// The values by their shifted stamp; of several with the same stamp the first.
-template <typename Value>
-std::map<Stamp, Value> shifted_by_stamp(const std::vector<Value>& values, Stamp offset) {
-  std::map<Stamp, Value> result;
-  for (Value value : values) {
-    value.stamp += offset;
-    result.emplace(value.stamp, value);
-  }
-  return result;
-}
-
-}  // namespace
-
 Loop with_offsets(Loop loop, const PartOffsets& offsets) {
   loop.from += offsets.index;
   loop.to += offsets.index;
@@ -54,9 +39,9 @@ SessionPart read_part(const session::Session& session, const PartOffsets& offset
     key_frame.segment += offsets.segment;
     key_frame.stamp += offsets.stamp;
   }
-  part.gnss = shifted_by_stamp(gnss, offsets.stamp);
-  part.imu = shifted_by_stamp(session.imu(), offsets.stamp);
-  part.floors = shifted_by_stamp(session.floors(), offsets.stamp);
+  part.gnss = by_stamp(gnss, offsets.stamp);
+  part.imu = by_stamp(session.imu(), offsets.stamp);
+  part.floors = by_stamp(session.floors(), offsets.stamp);
   for (const Loop& own : session.loops()) {
     const Loop loop = with_offsets(own, offsets);
     part.loops.emplace(std::max(loop.from, loop.to), loop);

@@ -24,6 +24,17 @@ LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets);
 /// Smallest stamp offset (ns) with which no key frame has one of the `known` stamps.
 Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known);
 
+/// The values by their stamps plus `offset` (ns); of several with the same stamp the first.
+template <typename Value>
+std::map<Stamp, Value> by_stamp(const std::vector<Value>& values, Stamp offset = 0) {
+  std::map<Stamp, Value> result;
+  for (Value value : values) {
+    value.stamp += offset;
+    result.emplace(value.stamp, value);
+  }
+  return result;
+}
+
 /// What the graph needs of one session among several, with its offsets.
 struct SessionPart {
   std::vector<KeyFrame> key_frames;          ///< by increasing index, without clouds
