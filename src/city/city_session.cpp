@@ -28,11 +28,6 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
   }
 }
 
-void copy_settings(const Session& from, Session& to) {
-  for (const auto& [stage, yaml] : from.configurations()) to.set_configuration(stage, yaml);
-  if (const auto origin = from.sensor_origin()) to.set_sensor_origin(*origin);
-}
-
 std::vector<GnssPosition> positions_of(const JoinedDrive& drive, const Session& session,
                                        const std::optional<GeodeticDatum>& datum) {
   if (!drive.uses_gnss || !datum) return {};
@@ -84,7 +79,7 @@ void write_trajectory(const JoinedDrive& drive, const KeyFramePoses& poses,
 
 void fill(const JoinedCity& city, const back_end::BackEndConfig& config, const JoinedDrive& first,
           Session& session) {
-  copy_settings(Session::open(first.session, Session::Access::kRead), session);
+  pipeline::copy_settings(Session::open(first.session, Session::Access::kRead), session);
   if (city.datum) session.set_datum(*city.datum);
   RecordedBackEnd back_end(std::move(session), config);
   for (const JoinedDrive& drive : city.drives) {

@@ -30,7 +30,6 @@ class SessionMerger::Impl {
 
  private:
   Session& session() { return back_end_.session(); }
-  void copy_settings(const Session& session_part);
   std::vector<GnssPosition> gnss_of(const Session& session_part, MergedSession& merged);
   void add_key_frame(const KeyFrame& key_frame, const SessionPart& part, MergedSession& merged);
   void add_own_loop(const Loop& loop);
@@ -44,16 +43,6 @@ class SessionMerger::Impl {
   std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> pairs_;
   PartOffsets next_;
 };
-
-/// Copies the settings of the whole session from the first part.
-void SessionMerger::Impl::copy_settings(const Session& session_part) {
-  for (const auto& [stage, yaml] : session_part.configurations())
-    session().set_configuration(stage, yaml);
-  const auto origin = session_part.sensor_origin();
-  if (!origin) return;
-  session().set_sensor_origin(*origin);
-  closer_.set_sensor_origin(*origin);
-}
 
 /// Positions of a part in the East-North-Up frame of the merged session.
 std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_part,
@@ -80,7 +69,10 @@ std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_pa
 }
 
 void SessionMerger::Impl::add(const Session& session_part) {
-  if (parts_.empty()) copy_settings(session_part);
+  if (parts_.empty()) {
+    copy_settings(session_part, session());
+    if (const auto origin = session().sensor_origin()) closer_.set_sensor_origin(*origin);
+  }
   MergedSession merged;
   const std::vector<GnssPosition> gnss = gnss_of(session_part, merged);
   PartOffsets offsets = next_;

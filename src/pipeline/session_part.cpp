@@ -49,6 +49,11 @@ SessionPart read_part(const session::Session& session, const PartOffsets& offset
   return part;
 }
 
+void copy_settings(const session::Session& from, session::Session& to) {
+  for (const auto& [stage, yaml] : from.configurations()) to.set_configuration(stage, yaml);
+  if (const auto origin = from.sensor_origin()) to.set_sensor_origin(*origin);
+}
+
 void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to) {
   session::Session::Batch batch(to);
   for (session::ScanRecord scan : from.scans()) {

@@ -49,6 +49,10 @@ struct SessionPart {
 SessionPart read_part(const session::Session& session, const PartOffsets& offsets,
                       const std::vector<GnssPosition>& gnss);
 
+/// Copies what belongs to a session as a whole: the parameters of its stages, and the position of
+/// the LiDAR in base_link. Throws FileError.
+void copy_settings(const session::Session& from, session::Session& to);
+
 /// Copies the records that the graph does not need but the report does: states of the scans,
 /// odometry at every scan, verdicts on loops. Throws FileError.
 void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to);
