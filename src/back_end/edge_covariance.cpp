@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "edge_covariance.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lidar_mapping/common/units.hpp"
@@ -23,10 +22,11 @@ Covariance6 constant_covariance(const BackEndConfig& config) {
   return diagonal_covariance(config.const_stddev_x, 2.0 * config.const_stddev_q);
 }
 
-/// Standard deviation between two limits: the variance approaches the upper limit exponentially.
+/// Standard deviation between two limits: the variance approaches the upper limit exponentially. A
+/// fitness that is no number, such as one of no pairs, gives the upper limit.
 double saturating_stddev(double fitness, double min_stddev, double max_stddev,
                          const BackEndConfig& config) {
-  const double s = std::min(fitness, config.inf_matrix_max_fitness);
+  const double s = std::fmax(0.0, std::fmin(fitness, config.inf_matrix_max_fitness));
   const double fraction = std::expm1(-config.var_gain_a * s) /
                           std::expm1(-config.var_gain_a * config.inf_matrix_max_fitness);
   const double min_variance = min_stddev * min_stddev;

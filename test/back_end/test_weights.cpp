@@ -95,6 +95,8 @@ TEST(Weights, ConstantAndFitnessWeightsCanBeConfigured) {
   EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), config.min_stddev_x, 1e-9);
   loop.fitness = 10.0;
   EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), config.max_stddev_x, 1e-9);
+  loop.fitness = std::nan("");  // of a loop without pairs
+  EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), config.max_stddev_x, 1e-9);
   loop.fitness = 0.01;
   // The published formula: 0.01 + 24.99 (1 - e^-0.2) / (1 - e^-10).
   EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), 2.131, 0.001);
