@@ -79,14 +79,16 @@ std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
 
 KeyFramePoses Session::poses() const {
   KeyFramePoses poses;
-  poses.poses = impl_->all(
-      "SELECT key_frame, stamp, x, y, z, qx, qy, qz, qw FROM poses "
-      "WHERE revision = (SELECT MAX(revision) FROM revisions) ORDER BY key_frame",
-      read_pose);
-  Statement row = impl_->database.query("SELECT MAX(revision) FROM revisions");
-  if (row.step())
-    poses.revision =
-        static_cast<std::uint32_t>(row.read_integer(0, std::numeric_limits<std::uint32_t>::max()));
+  // While this statement lives, both see the session as it was when the first one began.
+  Statement newest = impl_->database.query("SELECT MAX(revision) FROM revisions");
+  if (!newest.step()) return poses;
+  poses.revision =
+      static_cast<std::uint32_t>(newest.read_integer(0, std::numeric_limits<std::uint32_t>::max()));
+  Statement row = impl_->database.query(
+      "SELECT key_frame, stamp, x, y, z, qx, qy, qz, qw FROM poses WHERE revision = ? "
+      "ORDER BY key_frame",
+      {std::int64_t{poses.revision}});
+  while (row.step()) poses.poses.push_back(read_pose(row));
   return poses;
 }
 
