@@ -29,8 +29,7 @@ std::string warning_on(const DoubtfulSection& section, const DriveDoubt& drive) 
   }
   return formatted(
       "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of path): nothing "
-      "observed "
-      "the motion along the path; expected error %.*f m",
+      "observed the motion along the path; expected error %.*f m",
       begin, end, section.path_length, drive.path_length, section.expected_error < 3.0 ? 1 : 0,
       section.expected_error);
 }

@@ -227,10 +227,9 @@ Covariance6 covariance_of(const Matrix6d& information) {
   return 0.5 * (covariance + covariance.transpose());
 }
 
-KeyFrameEdge inverted(const KeyFrameEdge& edge_between) {
-  const Matrix6d A = adjoint(edge_between.T_from_to);
-  return {edge_between.to, edge_between.from, edge_between.T_from_to.inverse(),
-          A * edge_between.covariance * A.transpose()};
+KeyFrameEdge inverted(const KeyFrameEdge& edge) {
+  const Matrix6d A = adjoint(edge.T_from_to);
+  return {edge.to, edge.from, edge.T_from_to.inverse(), A * edge.covariance * A.transpose()};
 }
 
 std::vector<KeyFrameEdge> edges_of(const pose_graph::PoseGraph& graph,
@@ -242,10 +241,9 @@ std::vector<KeyFrameEdge> edges_of(const pose_graph::PoseGraph& graph,
     const auto from = position.find(edge.from);
     const auto to = position.find(edge.to);
     if (from == position.end() || to == position.end() || from == to) continue;
-    const KeyFrameEdge edge_between{from->second, to->second, edge.T_from_to,
-                                    covariance_of(edge.information)};
-    key_frame_edges.push_back(edge_between.from < edge_between.to ? edge_between
-                                                                  : inverted(edge_between));
+    const KeyFrameEdge forward{from->second, to->second, edge.T_from_to,
+                               covariance_of(edge.information)};
+    key_frame_edges.push_back(forward.from < forward.to ? forward : inverted(forward));
   }
   return key_frame_edges;
 }
@@ -258,15 +256,10 @@ class DumpReader {
         frames_(read_frames(directory)),
         datum_(read_datum(directory / "datum")) {
     if (datum_) utm_.emplace(*datum_);
-    for (const KeyFrameEdge& edge_between :
+    for (const KeyFrameEdge& edge :
          edges_of(read_poses_and_edges(directory / "graph.g2o"), frames_)) {
-      const bool is_odometry =
-          edge_between.to == edge_between.from + 1 && motions_.count(edge_between.to) == 0;
-      if (is_odometry) {
-        motions_.emplace(edge_between.to, edge_between);
-      } else {
-        loops_.push_back(edge_between);
-      }
+      const bool is_odometry = edge.to == edge.from + 1;
+      if (!is_odometry || !motions_.emplace(edge.to, edge).second) loops_.push_back(edge);
     }
   }
 
@@ -276,7 +269,7 @@ class DumpReader {
       session_.set_sensor_origin(WordReader(directory_ / "sensor_origin").vector<3>());
     }
     for (std::size_t i = 0; i < frames_.size(); ++i) add_key_frame(i);
-    for (const KeyFrameEdge& edge_between : loops_) add_loop(edge_between);
+    for (const KeyFrameEdge& edge : loops_) add_loop(edge);
     add_poses();
     return {frames_.size(), loops_.size(), segments_};
   }
@@ -338,13 +331,13 @@ class DumpReader {
     }
   }
 
-  void add_loop(const KeyFrameEdge& edge_between) {
+  void add_loop(const KeyFrameEdge& edge) {
     Loop loop;
-    loop.from = static_cast<KeyFrameIndex>(edge_between.from);
-    loop.to = static_cast<KeyFrameIndex>(edge_between.to);
-    loop.stamp = frames_[edge_between.to].stamp;
-    loop.T_from_to = edge_between.T_from_to;
-    loop.covariance = edge_between.covariance;
+    loop.from = static_cast<KeyFrameIndex>(edge.from);
+    loop.to = static_cast<KeyFrameIndex>(edge.to);
+    loop.stamp = frames_[edge.to].stamp;
+    loop.T_from_to = edge.T_from_to;
+    loop.covariance = edge.covariance;
     loop.source = LoopSource::kManual;
     session_.add_loop(loop);
   }
@@ -367,9 +360,8 @@ class DumpReader {
   session::Session& session_;
   const std::vector<DumpedFrame> frames_;
   const std::optional<GeodeticDatum> datum_;
-  std::optional<UtmFrame> utm_;  ///< UTM zone of the datum.
-  std::map<std::size_t, KeyFrameEdge>
-      motions_;  ///< Motions by the position of the newer key frame.
+  std::optional<UtmFrame> utm_;                  ///< UTM zone of the datum.
+  std::map<std::size_t, KeyFrameEdge> motions_;  ///< By the position of the newer key frame.
   std::vector<KeyFrameEdge> loops_;
   Pose T_odom_base_;
   std::size_t segments_ = 0;
