@@ -93,7 +93,7 @@ FolderInput::FolderInput(const std::string& path, const FolderOptions& options) 
   frames_["base_link"] = Pose::Identity();
   frames_[kLidarFrame].translation.z() = options.sensor_height;
   if (fs::is_directory(fs::path(path) / "velodyne_points")) {
-    read_raw(path, options);
+    read_raw(path);
   } else if (fs::is_directory(fs::path(path) / "velodyne")) {
     read_odometry(path, options);
   } else {
@@ -119,7 +119,7 @@ void FolderInput::add_pcd(Stamp stamp, const std::string& path, const FolderOpti
   inputs_.emplace_back(stamp + kHalfTurn, RecordedScan{stamp, decode});
 }
 
-void FolderInput::read_raw(const std::string& path, const FolderOptions&) {
+void FolderInput::read_raw(const std::string& path) {
   const fs::path velodyne = fs::path(path) / "velodyne_points";
   const std::vector<fs::path> scans = files_in(velodyne / "data", {".bin", ".txt"});
   if (scans.empty()) throw FileError("no *.bin or *.txt in " + (velodyne / "data").string());

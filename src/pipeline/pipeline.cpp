@@ -37,12 +37,6 @@ preprocessing::PreprocessingConfig with_datum(preprocessing::PreprocessingConfig
   return config;
 }
 
-/// The front end gets half of the threads, because the other stages need some, too.
-front_end::FrontEndConfig with_threads(front_end::FrontEndConfig config, int threads) {
-  config.threads = std::max(1, threads / 2);
-  return config;
-}
-
 }  // namespace
 
 class Pipeline::Impl {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pipeline/recorded_odometry.hpp"
 
-#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -19,12 +18,6 @@ namespace {
 // Lengths of the queues; chosen as in pipeline.cpp.
 constexpr std::size_t kInputs = 64;
 constexpr std::size_t kScans = 4;
-
-/// The front end gets half of the threads, because the other stages need some, too.
-front_end::FrontEndConfig with_threads(front_end::FrontEndConfig config, int threads) {
-  config.threads = std::max(1, threads / 2);
-  return config;
-}
 
 /// The points as a key frame of the map has them: turned upwards where the sensor's elevations are
 /// wrong, and without the distortion by the motion.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_matching.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "lidar_mapping/front_end/prior_of.hpp"
@@ -18,6 +19,11 @@ front_end::MotionPrior prior_at(const preprocessing::SyncedScan& synced, bool is
 }
 
 }  // namespace
+
+front_end::FrontEndConfig with_threads(front_end::FrontEndConfig config, int threads) {
+  config.threads = std::max(1, threads / 2);
+  return config;
+}
 
 ScanMatching::ScanMatching(const front_end::FrontEndConfig& config, Forward forward, Report report)
     : front_end_(config), forward_(std::move(forward)), report_(std::move(report)) {}

@@ -11,6 +11,9 @@
 
 namespace lidar_mapping::pipeline {
 
+/// The front end gets half of the threads, because the other stages need some, too.
+front_end::FrontEndConfig with_threads(front_end::FrontEndConfig config, int threads);
+
 /// Odometry of preprocessed scans: forwards each scan with its final result, in their order, and
 /// reports what the front end warns of. One thread calls it.
 class ScanMatching {

@@ -54,7 +54,7 @@ class FolderInput : public InputSource {
   const std::map<std::string, Pose>& frames() const { return frames_; }
 
  private:
-  void read_raw(const std::string& path, const FolderOptions& options);
+  void read_raw(const std::string& path);
   void read_odometry(const std::string& path, const FolderOptions& options);
   void read_scans(const std::string& path, const FolderOptions& options);
   void add_scan(Stamp stamp, std::function<PointCloud()> read);
