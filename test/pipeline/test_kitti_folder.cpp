@@ -4,10 +4,11 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
+
+#include "temporary_folder.hpp"
 
 namespace lidar_mapping::pipeline {
 namespace {
@@ -16,27 +17,23 @@ namespace fs = std::filesystem;
 
 class KittiFolderTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::temp_directory_path() / ("kitti_folder_" + std::to_string(::getpid()) + "_" +
-                                     testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_ / "velodyne");
-    fs::create_directories(folder_ / "point_times");
+  KittiFolderTest() {
+    fs::create_directory(folder_.path() / "velodyne");
+    fs::create_directory(folder_.path() / "point_times");
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   template <typename T>
   void write(const std::string& name, const std::vector<T>& values) const {
-    std::ofstream(folder_ / name, std::ios::binary)
+    std::ofstream(folder_.path() / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(values.data()),
                static_cast<std::streamsize>(values.size() * sizeof(T)));
   }
   void write_text(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
+    std::ofstream(folder_.path() / name) << text;
   }
-  std::string path() const { return folder_.string(); }
+  std::string path() const { return folder_.path().string(); }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(KittiFolderTest, ReadsScansInTheOrderOfTheirNames) {

@@ -3,6 +3,9 @@
 
 #include <random>
 
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
 #include "lidar_mapping/session/session.hpp"
 
 namespace lidar_mapping::session {
@@ -53,6 +56,14 @@ inline Loop example_loop(KeyFrameIndex from, KeyFrameIndex to) {
   loop.overlap = 0.83;
   loop.source = LoopSource::kAppearance;
   return loop;
+}
+
+/// Changes the database of a session as damage or an older version would.
+inline void execute(const std::filesystem::path& folder, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder / "session.db").c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sql;
+  sqlite3_close(database);
 }
 
 inline void expect_equal(const Pose& a, const Pose& b) {

@@ -3,7 +3,6 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
@@ -30,13 +29,6 @@ std::vector<LoopEdit> read_text(const TemporaryFolder& folder, const std::string
   const std::filesystem::path path = folder.path() / "edited.txt";
   std::ofstream(path) << text;
   return read_loop_list(path);
-}
-
-void execute(const std::filesystem::path& folder, const char* sql) {
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open((folder / "session.db").c_str(), &database), SQLITE_OK);
-  EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(database);
 }
 
 TEST(LoopFiles, TableHasTheNewestVerdictAndTheDecision) {

@@ -5,7 +5,6 @@
 #include <set>
 
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -371,13 +370,6 @@ TEST(Session, RefusesDataThatDoNotFitOnTheDisk) {
   for (const KeyFrame& key_frame : session.key_frames()) {
     EXPECT_NE(session.clouds().cloud(key_frame.index), nullptr);
   }
-}
-
-void execute(const fs::path& folder, const std::string& sql) {
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open((folder / "session.db").c_str(), &database), SQLITE_OK);
-  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sql;
-  sqlite3_close(database);
 }
 
 void read_whole(const fs::path& folder) {
