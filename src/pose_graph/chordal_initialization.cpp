@@ -2,6 +2,8 @@
 #include "chordal_initialization.hpp"
 
 #include <memory>
+#include <numeric>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -152,10 +154,31 @@ class ChordalInitialization {
   Eigen::MatrixXd translations_;
 };
 
+/// True if edges lead from each node to all others.
+bool is_connected(const PoseGraph& graph) {
+  std::vector<std::size_t> parent(graph.nodes.size());  // of the trees of connected nodes
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto root_of = [&](int node) {
+    auto root = static_cast<std::size_t>(node);
+    while (parent[root] != root) root = parent[root] = parent[parent[root]];
+    return root;
+  };
+  std::size_t trees = parent.size();
+  for (const auto& [from, to] : edge_positions(graph)) {
+    const std::size_t a = root_of(from), b = root_of(to);
+    if (a == b) continue;
+    parent[a] = b;
+    --trees;
+  }
+  return trees == 1;
+}
+
 }  // namespace
 
 bool initialize_chordally(PoseGraph& graph) {
   if (graph.nodes.size() < 2) return true;
+  // Rounding may hide that the equations of an unconnected graph are singular.
+  if (!is_connected(graph)) return false;
   return graph.planar ? ChordalInitialization<2>(graph).run()
                       : ChordalInitialization<3>(graph).run();
 }
