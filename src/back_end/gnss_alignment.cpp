@@ -177,8 +177,7 @@ std::optional<Alignment> align_to_enu(const std::vector<AlignmentSample>& sample
     ++alignment.inliers;
   }
   if (2 * alignment.inliers < static_cast<int>(level.size())) return std::nullopt;
-  alignment.heading_stddev = heading_stddev(level, motion);
-  if (alignment.heading_stddev > limits.max_heading_stddev) return std::nullopt;
+  if (heading_stddev(level, motion) > limits.max_heading_stddev) return std::nullopt;
   alignment.rms_horizontal = std::sqrt(squares / alignment.inliers);
   alignment.T_enu_map.rotation = exp_so3({0.0, 0.0, motion.yaw}) * R_level_map;
   alignment.T_enu_map.translation << motion.shift, altitude_shift(samples, R_level_map);

@@ -25,7 +25,6 @@ struct AlignmentLimits {
 /// The result of an alignment to East-North-Up.
 struct Alignment {
   Pose T_enu_map;
-  double heading_stddev = 0.0;  ///< rad
   double rms_horizontal = 0.0;  ///< RMS error of the inliers, m
   int inliers = 0;
 };
