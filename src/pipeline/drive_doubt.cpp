@@ -35,23 +35,30 @@ TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,
   return summary;
 }
 
+/// Segment by segment, in the order in which these begin: drives may have been merged in another
+/// one.
+std::vector<KeyFrame> in_order_of_time(std::vector<KeyFrame> key_frames) {
+  std::map<std::uint32_t, Stamp> begins;
+  for (const KeyFrame& key_frame : key_frames) begins.emplace(key_frame.segment, key_frame.stamp);
+  std::stable_sort(key_frames.begin(), key_frames.end(), [&](const auto& a, const auto& b) {
+    return begins.at(a.segment) < begins.at(b.segment);
+  });
+  return key_frames;
+}
+
 /// Assesses sections with the key frames and the graph.
 class SectionAssessment {
  public:
   SectionAssessment(const session::Session& session, const std::vector<session::ScanRecord>& scans,
                     const back_end::BackEnd& back_end, const KeyFramePoses& poses)
-      : key_frames_(session.key_frames()), back_end_(back_end) {
+      : key_frames_(in_order_of_time(session.key_frames())), back_end_(back_end) {
     for (const session::ScanRecord& scan : scans) {
       variances_[scan.stamp] = scan.unobserved_stddev * scan.unobserved_stddev;
     }
     for (const KeyFramePose& pose : poses.poses) T_map_base_[pose.index] = pose.T_map_base;
+    const std::vector<KeyFramePose> nodes = back_end.poses().poses;
     const std::vector<int> parts = back_end.parts();
-    for (std::size_t i = 0; i < std::min(parts.size(), key_frames_.size()); ++i) {
-      parts_[key_frames_[i].index] = parts[i];
-    }
-    // Drives may have been merged in another order than that of their times.
-    std::stable_sort(key_frames_.begin(), key_frames_.end(),
-                     [](const KeyFrame& a, const KeyFrame& b) { return a.stamp < b.stamp; });
+    for (std::size_t i = 0; i < parts.size(); ++i) parts_[nodes[i].index] = parts[i];
   }
 
   void assess(std::vector<DoubtfulSection>& sections) {
@@ -195,7 +202,7 @@ class SectionAssessment {
     return pose->second * (key_frame.T_odom_base.inverse() * section.position);
   }
 
-  std::vector<KeyFrame> key_frames_;    ///< By stamp.
+  std::vector<KeyFrame> key_frames_;    ///< See in_order_of_time().
   std::map<KeyFrameIndex, int> parts_;  ///< Connected part of the graph of each key frame.
   const back_end::BackEnd& back_end_;
   std::shared_ptr<const back_end::OptimizationProblem> problem_;
