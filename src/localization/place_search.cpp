@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/common/rotations.hpp"
-#include "lidar_mapping/common/units.hpp"
-
 namespace lidar_mapping::localization {
 
 namespace {
 
 using loop_closing::Appearance;
+using loop_closing::planar_pose;
 using loop_closing::ViewCorrelator;
 using loop_closing::ViewMatch;
 
@@ -28,13 +26,8 @@ constexpr std::size_t kMostCandidates = 8;
 constexpr double kSameDistance = 4.0;
 constexpr double kSameHeight = 1.5;
 constexpr double kSameHeading = 0.5;
-
-Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
-  Pose pose;
-  pose.translation << translation, 0.0;
-  pose.rotation = rotation_about_z(yaw);
-  return pose;
-}
+// Weight of heights among distances. Chosen: another storey shows other surroundings.
+constexpr double kHeightWeight = kSameDistance / kSameHeight;
 
 }  // namespace
 
@@ -58,14 +51,14 @@ void PlaceSearch::append(const std::optional<Appearance>& appearance) {
   appearances_.append(appearance);
 }
 
-/// Where the view from above agrees best at one of the two headings that the descriptors allow.
+/// Where the view from above agrees best at one of the two headings that the descriptors allow. Its
+/// score is 0 if one of the views is empty, for then there is no such pose.
 PlaceSearch::Start PlaceSearch::start_at(std::size_t place, const Appearance& appearance,
                                          const std::vector<Eigen::Vector2f>& cells) const {
   const Appearance older = *appearances_[place];
   const ViewCorrelator correlator(older.view);
-  const double yaw = older.descriptor.compare(appearance.descriptor).yaw;
   Start best;
-  for (const double heading : {yaw, yaw + kPi}) {
+  for (const double heading : headings_by_views(older, appearance)) {
     const ViewMatch match = correlator.match(cells, heading);
     if (match.score <= best.score) continue;
     best = {places_[place] * planar_pose(match.translation, heading), match.score};
@@ -78,7 +71,8 @@ std::vector<Pose> PlaceSearch::candidates(const loop_closing::Points& points) co
   const std::vector<Eigen::Vector2f> cells = appearance.view.cells();
   std::vector<Start> starts;
   for (const std::size_t place : appearances_.similar_to(appearance, kNearest, kSimilar)) {
-    starts.push_back(start_at(place, appearance, cells));
+    const Start start = start_at(place, appearance, cells);
+    if (start.score > 0.0) starts.push_back(start);
   }
   std::stable_sort(starts.begin(), starts.end(),
                    [](const Start& a, const Start& b) { return a.score > b.score; });
@@ -104,7 +98,7 @@ std::vector<Pose> PlaceSearch::candidates_near(const Pose& claimed,
 void PlaceSearch::add_candidates_at(const Pose& claimed, const loop_closing::Points& points,
                                     std::vector<Pose>& poses) const {
   poses.push_back(claimed);
-  const std::size_t place = nearest_place(claimed);
+  const std::size_t place = nearest_place(claimed, kHeightWeight);
   const auto older = appearances_[place];
   if (!older) return;
   const double heading = yaw_of(places_[place].rotation.conjugate() * claimed.rotation);
@@ -115,20 +109,13 @@ void PlaceSearch::add_candidates_at(const Pose& claimed, const loop_closing::Poi
 
 /// The pose at the height of the place that is nearest as seen from above.
 Pose PlaceSearch::at_height_of_map(const Pose& T_map_base) const {
-  const auto distance = [&](const Pose& place) {
-    return (place.translation - T_map_base.translation).head<2>().squaredNorm();
-  };
-  const auto nearest =
-      std::min_element(places_.begin(), places_.end(),
-                       [&](const Pose& a, const Pose& b) { return distance(a) < distance(b); });
   Pose lifted = T_map_base;
-  lifted.translation.z() = nearest->translation.z();
+  lifted.translation.z() = places_[nearest_place(T_map_base, 0.0)].translation.z();
   return lifted;
 }
 
-std::size_t PlaceSearch::nearest_place(const Pose& T_map_base) const {
-  // Heights count more, because another storey shows other surroundings.
-  const Eigen::Vector3d weights(1.0, 1.0, kSameDistance / kSameHeight);
+std::size_t PlaceSearch::nearest_place(const Pose& T_map_base, double height_weight) const {
+  const Eigen::Vector3d weights(1.0, 1.0, height_weight);
   const auto distance = [&](const Pose& place) {
     return (place.translation - T_map_base.translation).cwiseProduct(weights).squaredNorm();
   };
@@ -139,7 +126,7 @@ std::size_t PlaceSearch::nearest_place(const Pose& T_map_base) const {
 }
 
 std::optional<PoseEstimate> PlaceSearch::verified(const Pose& T_map_base_guess) {
-  const std::size_t place = nearest_place(T_map_base_guess);
+  const std::size_t place = nearest_place(T_map_base_guess, kHeightWeight);
   const loop_closing::PlaceMatch match =
       verifier_.match(place, places_[place].inverse() * T_map_base_guess);
   if (!match.accepted) return std::nullopt;

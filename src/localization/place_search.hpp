@@ -44,7 +44,7 @@ class PlaceSearch {
     Pose T_map_base;
     double score = 0.0;
   };
-  std::size_t nearest_place(const Pose& T_map_base) const;
+  std::size_t nearest_place(const Pose& T_map_base, double height_weight) const;
   Pose at_height_of_map(const Pose& T_map_base) const;
   void add_candidates_at(const Pose& claimed, const loop_closing::Points& points,
                          std::vector<Pose>& poses) const;

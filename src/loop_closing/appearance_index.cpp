@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "surface.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -48,6 +50,11 @@ Appearance appearance_of(const std::vector<Eigen::Vector3f>& points) {
   appearance.view = BirdsEyeView(points, above_ground(points));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
   return appearance;
+}
+
+std::array<double, 2> headings_by_views(const Appearance& older, const Appearance& newer) {
+  const double yaw = older.descriptor.compare(newer.descriptor).yaw;
+  return {yaw, yaw + kPi};
 }
 
 void AppearanceIndex::append(const std::optional<Appearance>& appearance) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -99,6 +100,13 @@ std::vector<Eigen::Vector2f> BirdsEyeView::cells() const {
                         static_cast<float>(i / kWidth - kHalfWidth) + 0.5F);
   }
   return result;
+}
+
+Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
+  Pose pose;
+  pose.translation << translation, 0.0;
+  pose.rotation = rotation_about_z(yaw);
+  return pose;
 }
 
 ViewCorrelator::ViewCorrelator(const BirdsEyeView& target) : weights_(kGrid * kGrid + kLanes, 0) {

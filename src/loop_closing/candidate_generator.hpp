@@ -18,7 +18,7 @@ struct Candidate {
   LoopSource source = LoopSource::kPosition;
   Prior prior;
   Pose T_from_to;      ///< starting pose of the registration
-  double score = 0.0;  ///< agreement of the two bird's-eye views at that pose, 0 to 1
+  double score = 0.0;  ///< best ViewMatch::score of the two bird's-eye views
 };
 
 /// Holds the poses and appearances of all key frames of a drive, without clouds, and finds older

@@ -7,7 +7,6 @@
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
 #include "scan_alignment.hpp"
-#include "starting_pose.hpp"
 #include "submap_builder.hpp"
 #include "verified_candidate.hpp"
 

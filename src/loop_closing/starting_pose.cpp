@@ -3,9 +3,6 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/common/rotations.hpp"
-#include "lidar_mapping/common/units.hpp"
-
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -18,18 +15,6 @@ constexpr double kTrustedRotation = 0.35;  // rad; chosen: views that are turned
 constexpr std::size_t kMinCells = 30;
 
 }  // namespace
-
-Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
-  Pose pose;
-  pose.translation << translation, 0.0;
-  pose.rotation = rotation_about_z(yaw);
-  return pose;
-}
-
-std::array<double, 2> headings_by_views(const Appearance& older, const Appearance& newer) {
-  const double yaw = older.descriptor.compare(newer.descriptor).yaw;
-  return {yaw, yaw + kPi};
-}
 
 StartingPose starting_pose_by_views(const Prior& prior, const std::optional<Appearance>& older,
                                     const std::optional<Appearance>& newer,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -11,15 +10,10 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// A starting pose on the same ground plane: roll, pitch and height are left to the registration.
-Pose planar_pose(const Eigen::Vector2d& translation, double yaw);
-/// The two headings (rad) of the newer in the older scan that the descriptors allow.
-std::array<double, 2> headings_by_views(const Appearance& older, const Appearance& newer);
-
-/// Starting pose for the registration of two key frames.
+/// Starting pose for the registration of two key frames; roll, pitch and height are left to it.
 struct StartingPose {
   Pose T_from_to;
-  double score = 0.0;  ///< agreement of the two bird's-eye views at this pose, 0 to 1
+  double score = 0.0;  ///< best ViewMatch::score of the two bird's-eye views
 };
 
 /// Tries the headings of the estimate and of the descriptors, and returns the pose with the best

@@ -42,6 +42,13 @@ TEST_F(Search, NamesTheTruePlaceAmongFewCandidates) {
   }
 }
 
+// With an empty view there is no pose at which it agrees; the origin of the map is none.
+TEST_F(Search, NamesNoPlaceForBareGround) {
+  recent_.add(ToyWorld().scan(Pose::Identity(), 9), Pose::Identity(), ToyWorld::sensor());
+  ASSERT_FALSE(recent_.newest().empty());
+  EXPECT_TRUE(places_.candidates(recent_.newest()).empty());
+}
+
 TEST_F(Search, VerifiesTheTruePlaceAlone) {
   const Pose truth = planar(-20.0, 1.5, 2.8);
   see(truth);

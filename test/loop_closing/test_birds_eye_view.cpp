@@ -97,6 +97,15 @@ TEST(ViewCorrelator, GivesHalfTheWeightToTheNextCell) {
   EXPECT_NEAR(two_off, 0.5, 1e-9);
 }
 
+TEST(ViewCorrelator, CanScoreMoreThanOneWhereTheSourceHasTheNextCellsToo) {
+  const ViewCorrelator correlator(view_of({{0.5F, 0.5F, 0.0F}}));
+  std::vector<Eigen::Vector2f> block;
+  for (const float x : {-0.5F, 0.5F, 1.5F}) {
+    for (const float y : {-0.5F, 0.5F, 1.5F}) block.emplace_back(x, y);
+  }
+  EXPECT_NEAR(correlator.match(block, 0.0).score, 5.0 / 3.0, 1e-9);
+}
+
 TEST(ViewCorrelator, ScoresPartOfAPlaceLess) {
   const BirdsEyeView target = view_of(place(3));
   std::vector<Eigen::Vector2f> half = target.cells();

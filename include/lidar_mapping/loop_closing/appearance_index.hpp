@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -22,6 +23,9 @@ struct Appearance {
 
 /// Computes the appearance from the points of a key frame in base_link, m.
 Appearance appearance_of(const std::vector<Eigen::Vector3f>& points);
+
+/// The two headings (rad) of the newer in the older scan that the descriptors allow.
+std::array<double, 2> headings_by_views(const Appearance& older, const Appearance& newer);
 
 /// The appearances of all key frames of a drive. One is appended per key frame; the index is never
 /// rebuilt. A search goes linearly over coarse keys of some hundred bytes each, which are held in

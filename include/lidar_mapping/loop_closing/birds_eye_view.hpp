@@ -27,10 +27,16 @@ class BirdsEyeView {
   std::bitset<kWidth * kWidth> occupied_;
 };
 
+/// A pose (m, rad) on the ground plane of a view: a match of views tells neither height nor tilt.
+Pose planar_pose(const Eigen::Vector2d& translation, double yaw);
+
 /// The result of matching two views: a horizontal translation and its score.
 struct ViewMatch {
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  ///< of the source in the target, m
-  double score = 0.0;  ///< normalised correlation, 0 to 1; 0 if a view is empty
+  /// Normalised correlation: 1 of a view with itself, 0 if a view is empty. It can exceed 1, because
+  /// cells beside those of the target count, too: of a single cell with the nine around it, it is
+  /// 5/3.
+  double score = 0.0;
 };
 
 /// Finds the horizontal position of other views in a target view by correlation on the 1 m grid.
