@@ -25,18 +25,11 @@ constexpr double kClaimRadius = 20.0;
 /// Searches without a place near the claim, after which it is not believed any more. Chosen.
 constexpr int kClaimSearches = 2;
 
-double leaf_of(loop_closing::FilterMethod filter, double leaf) {
-  return filter == loop_closing::FilterMethod::kVoxel ? leaf : 0.0;
-}
-
 }  // namespace
 
 PlaceFinder::PlaceFinder(MapParts& map)
     : map_(map),
-      recent_(
-          leaf_of(map.places.verification().map_filter, map.places.verification().map_leaf_size),
-          leaf_of(map.places.verification().scan_filter,
-                  map.places.verification().scan_leaf_size)) {}
+      recent_(map.places.verification().map_leaf(), map.places.verification().scan_leaf()) {}
 
 void PlaceFinder::restart() {
   recent_.clear();

@@ -11,13 +11,6 @@ constexpr double kSpacing = 2.0;
 /// Scans before the newest one, as in submap_builder.hpp.
 constexpr std::size_t kEarlier = 2;
 
-loop_closing::Points thinned(const PointCloud& cloud, double leaf) {
-  loop_closing::VoxelMeans voxels;
-  voxels.reset(leaf);
-  for (const Point& point : cloud.points) voxels.add(point.position());
-  return voxels.points();
-}
-
 }  // namespace
 
 void RecentScans::add(const PointCloud& cloud, const Pose& T_odom_base,
@@ -27,7 +20,7 @@ void RecentScans::add(const PointCloud& cloud, const Pose& T_odom_base,
       (newest_.T_odom_base.translation - earlier_.back().T_odom_base.translation).norm() > kSpacing;
   if (!newest_.points.empty() && is_apart) earlier_.push_back(std::move(newest_));
   if (earlier_.size() > kEarlier) earlier_.pop_front();
-  newest_ = {thinned(cloud, map_leaf_), T_odom_base};
+  newest_ = {loop_closing::VoxelMeans().filtered(cloud, map_leaf_), T_odom_base};
   p_base_lidar_ = p_base_lidar;
 }
 

@@ -11,7 +11,7 @@ Eigen::Isometry3f isometry(const Pose& pose) {
 }
 
 KeyFramePreparation::KeyFramePreparation(const LoopClosingConfig& config)
-    : leaf_(config.map_filter == FilterMethod::kVoxel ? config.map_leaf_size : 0.0) {}
+    : leaf_(config.map_leaf()) {}
 
 PreparedKeyFrame KeyFramePreparation::prepare(const PointCloud& cloud) {
   const PointsPtr points = thinned(cloud);
@@ -19,9 +19,7 @@ PreparedKeyFrame KeyFramePreparation::prepare(const PointCloud& cloud) {
 }
 
 PointsPtr KeyFramePreparation::thinned(const PointCloud& cloud) {
-  voxels_.reset(leaf_);
-  for (const Point& point : cloud.points) voxels_.add(point.position());
-  return std::make_shared<const Points>(voxels_.points());
+  return std::make_shared<const Points>(voxels_.filtered(cloud, leaf_));
 }
 
 }  // namespace lidar_mapping::loop_closing

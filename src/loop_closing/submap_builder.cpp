@@ -26,24 +26,10 @@ SubmapBuilder::SubmapBuilder(const LoopClosingConfig& config, CloudSource& cloud
       points_cache_(kMaxCachedPoints),
       submap_cache_(kMaxCachedSubmaps) {}
 
-double SubmapBuilder::map_leaf() const {
-  return config_.map_filter == FilterMethod::kVoxel ? config_.map_leaf_size : 0.0;
-}
-
-double SubmapBuilder::scan_leaf() const {
-  return config_.scan_filter == FilterMethod::kVoxel ? config_.scan_leaf_size : 0.0;
-}
-
 void SubmapBuilder::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
   if (p_base_lidar_ == p_base_lidar.cast<float>()) return;
   p_base_lidar_ = p_base_lidar.cast<float>();
   submap_cache_.clear();
-}
-
-Points SubmapBuilder::thinned(const PointCloud& cloud, double leaf) {
-  voxels_.reset(leaf);
-  for (const Point& point : cloud.points) voxels_.add(point.position());
-  return voxels_.points();
 }
 
 PointsPtr SubmapBuilder::map_points(KeyFrameIndex index) {
@@ -64,8 +50,8 @@ PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& 
 
 /// The newest cloud, thinned like a scan.
 Points SubmapBuilder::newest_scan(KeyFrameIndex index) {
-  if (scan_leaf() == map_leaf()) return *map_points(index);
-  return thinned(*newest_, scan_leaf());
+  if (config_.scan_leaf() == config_.map_leaf()) return *map_points(index);
+  return voxels_.filtered(*newest_, config_.scan_leaf());
 }
 
 /// Merges `own_points` of node `middle` with the points of the key frames around it, thinned and in
@@ -100,7 +86,8 @@ std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
   QueryScan query;
   query.image = FreeSpaceImage(own_points, p_base_lidar_);
   query.sight = range_of_sight({own_points, above_ground(own_points)});
-  query.points = merged_points(trajectory, node, own_points, kQueryKeyFrames - 1, 0, scan_leaf());
+  query.points =
+      merged_points(trajectory, node, own_points, kQueryKeyFrames - 1, 0, config_.scan_leaf());
   query.above_ground = above_ground(query.points);
   return query;
 }
@@ -113,8 +100,8 @@ std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory
   if (own_points == nullptr) return nullptr;
   const auto extent = static_cast<std::size_t>(config_.extend_frame_num);
   auto submap = std::make_shared<Submap>();
-  submap->surface =
-      SurfaceCloud(merged_points(trajectory, node, *own_points, extent, extent, map_leaf()));
+  submap->surface = SurfaceCloud(
+      merged_points(trajectory, node, *own_points, extent, extent, config_.map_leaf()));
   submap->above_ground = above_ground(submap->surface.tree().points());
   submap->image = FreeSpaceImage(*own_points, p_base_lidar_);
   submap->sight = range_of_sight({*own_points, above_ground(*own_points)});

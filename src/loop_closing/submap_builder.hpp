@@ -37,9 +37,6 @@ class SubmapBuilder {
   std::shared_ptr<const Submap> around(const Trajectory& trajectory, Trajectory::NodeId node);
 
  private:
-  double map_leaf() const;
-  double scan_leaf() const;
-  Points thinned(const PointCloud& cloud, double leaf);
   PointsPtr map_points(KeyFrameIndex index);
   PointsPtr cache(KeyFrameIndex index, const PointsPtr& points);
   Points newest_scan(KeyFrameIndex index);

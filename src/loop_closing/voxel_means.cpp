@@ -83,4 +83,10 @@ std::vector<Eigen::Vector3f> VoxelMeans::points() {
   return result;
 }
 
+std::vector<Eigen::Vector3f> VoxelMeans::filtered(const PointCloud& cloud, double leaf) {
+  reset(leaf);
+  for (const Point& point : cloud.points) add(point.position());
+  return points();
+}
+
 }  // namespace lidar_mapping::loop_closing

@@ -28,10 +28,7 @@ PointCloud scattered() {
 TEST(VoxelMeans, AgreesWithTheVoxelFilter) {
   const PointCloud cloud = scattered();
   const PointCloud expected = voxel_filtered(cloud, 0.5);
-  VoxelMeans voxels;
-  voxels.reset(0.5);
-  for (const Point& point : cloud.points) voxels.add(point.position());
-  const auto points = voxels.points();
+  const auto points = VoxelMeans().filtered(cloud, 0.5);
   ASSERT_GT(points.size(), 20000U);
   ASSERT_EQ(points.size(), expected.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -33,9 +33,9 @@ Pose planar_pose(const Eigen::Vector2d& translation, double yaw);
 /// The result of matching two views: a horizontal translation and its score.
 struct ViewMatch {
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  ///< of the source in the target, m
-  /// Normalised correlation: 1 of a view with itself, 0 if a view is empty. It can exceed 1, because
-  /// cells beside those of the target count, too: of a single cell with the nine around it, it is
-  /// 5/3.
+  /// Normalised correlation: 1 of a view with itself, 0 if a view is empty. It can exceed 1,
+  /// because cells beside those of the target count, too: of a single cell with the nine around it,
+  /// it is 5/3.
   double score = 0.0;
 };
 

@@ -98,6 +98,11 @@ struct LoopClosingConfig {
   /// [rad] Lower limit of a loop's standard deviation in rotation.
   double min_stddev_q = 0.002;
 
+  /// Edge of the voxels by which a submap is thinned, m; 0 keeps all points.
+  double map_leaf() const { return map_filter == FilterMethod::kVoxel ? map_leaf_size : 0.0; }
+  /// Edge of the voxels by which a scan is thinned, m; 0 keeps all points.
+  double scan_leaf() const { return scan_filter == FilterMethod::kVoxel ? scan_leaf_size : 0.0; }
+
   /// Names, ranges, units and descriptions of all parameters.
   static const config::Schema<LoopClosingConfig>& schema();
 };

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -26,13 +27,15 @@ class VoxelMeans {
   void add(const Eigen::Vector3f& p);
   /// The mean of each voxel, m.
   std::vector<Eigen::Vector3f> points();
+  /// All three for a whole cloud: reset(), add() for each of its points, and points().
+  std::vector<Eigen::Vector3f> filtered(const PointCloud& cloud, double leaf);
 
  private:
   struct Voxel {
     VoxelKey key;
     float count;
-    Eigen::Vector3f
-        sum;  // of the offsets from the corner of the cell: small, so that float is precise enough
+    // Of the offsets from the corner of the cell: small, so that float is precise enough.
+    Eigen::Vector3f sum;
   };
   /// A point that is not added to its voxel yet. Points are added in small batches: the processor
   /// often mispredicts the branches of the hash table, and the computation of the next keys should
