@@ -2,11 +2,11 @@
 #include "decision.hpp"
 
 #include <cmath>
-#include <iomanip>
 #include <optional>
-#include <sstream>
 
 #include <Eigen/Eigenvalues>
+
+#include "lidar_mapping/common/text.hpp"
 
 #include "sight.hpp"
 
@@ -115,12 +115,12 @@ FailedCheck check_estimate(const Match& match, const Prior& prior, const Config&
 FailedCheck check_storey(const MatchFigures& figures, const Prior& prior) {
   if (!prior.anchored || prior.height_jumps == 0.0 || figures.roofed <= kMaxRoofedFraction)
     return std::nullopt;
-  std::ostringstream condition;
-  condition << "odometry jumped " << std::setprecision(3) << prior.height_jumps
-            << " m in height between the two: the storey is unknown";
+  const std::string condition =
+      formatted("odometry jumped %.3g m in height between the two: the storey is unknown",
+                prior.height_jumps);
   return Decision{Verdict::kUndecided,
                   figure_sentence("fraction of the place under a roof", figures.roofed, "above",
-                                  kMaxRoofedFraction, condition.str())};
+                                  kMaxRoofedFraction, condition)};
 }
 
 FailedCheck check_gnss(const Match& match, const Prior& prior) {
@@ -141,11 +141,8 @@ double margin_of(const MatchFigures& figures) {
 
 std::string figure_sentence(const std::string& figure, double value, const std::string& relation,
                             double limit, const std::string& parameter) {
-  std::ostringstream text;
-  text.precision(3);
-  text << figure << " " << value << " " << relation << " the limit " << limit << " (" << parameter
-       << ")";
-  return text.str();
+  return formatted("%s %.3g %s the limit %.3g (%s)", figure.c_str(), value, relation.c_str(), limit,
+                   parameter.c_str());
 }
 
 Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config) {

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+
+#include "lidar_mapping/common/text.hpp"
 
 #include "scan_alignment.hpp"
 #include "segment_connector.hpp"
@@ -102,9 +103,7 @@ VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
                                            const std::optional<QueryScan>& query) {
   const auto submap = submaps_.around(trajectory(), candidate.node);
   if (query && submap) return verified(candidate, *query, *submap, config_, alignment_);
-  VerifiedCandidate result{candidate, {}, {Verdict::kUndecided, kNoCloud}};
-  result.match.alignment.T_target_source = candidate.T_from_to;
-  return result;
+  return without_cloud(candidate);
 }
 
 /// Verifies the best candidates in turn. If the estimate allows only one location, the search ends
@@ -134,10 +133,10 @@ void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosi
   const std::vector<Loop> group = connector_.add(loop, trajectory());
   if (group.empty()) {
     result.verdicts.back().verdict = Verdict::kUndecided;
-    std::ostringstream reason;
-    reason << "nothing joins the two segments yet, and matches that agree span less than "
-           << config_.unanchored_stretch << " m (unanchored_stretch)";
-    result.verdicts.back().reason = reason.str();
+    result.verdicts.back().reason = formatted(
+        "nothing joins the two segments yet, and matches that agree span less than %g m "
+        "(unanchored_stretch)",
+        config_.unanchored_stretch);
   }
   for (const Loop& member : group) {
     result.loops.push_back(member);

@@ -115,18 +115,11 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
   const bool have_scan = submaps.add_newest(key_frames[newer]) != nullptr;
   const auto query = have_scan ? submaps.query(trajectory) : std::nullopt;
   const auto submap = submaps.around(trajectory, older);
-  PairMatch result;
-  if (!query || !submap) {
-    result.verdict.from = from;
-    result.verdict.to = to;
-    result.verdict.stamp = trajectory[newer].stamp;
-    result.verdict.source = LoopSource::kManual;
-    result.verdict.reason = kNoCloud;
-    return result;
-  }
   const VerifiedCandidate best =
-      best_match(config, *query, *submap, older, starting_poses(clouds, from, to, guess));
-  result.verdict = to_verdict(best, trajectory);
+      query && submap
+          ? best_match(config, *query, *submap, older, starting_poses(clouds, from, to, guess))
+          : without_cloud(named_candidate(older, Pose::Identity()));
+  PairMatch result{to_verdict(best, trajectory), std::nullopt};
   if (best.decision.verdict == Verdict::kAccepted) {
     result.loop = to_loop(best, trajectory, config);
   }

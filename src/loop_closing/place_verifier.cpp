@@ -28,12 +28,13 @@ class PlaceVerifier::Impl {
 
   PlaceMatch match(std::size_t place, const Pose& T_place_scan_guess) {
     const auto submap = submaps_.around(trajectory_, place);
-    if (submap == nullptr) return {{}, Covariance6::Identity(), 0.0, false, kNoCloud};
     Candidate candidate;
     candidate.node = place;
     candidate.source = LoopSource::kAppearance;
     candidate.T_from_to = T_place_scan_guess;
-    const VerifiedCandidate result = verified(candidate, query_, *submap, config_, alignment_);
+    const VerifiedCandidate result = submap
+                                         ? verified(candidate, query_, *submap, config_, alignment_)
+                                         : without_cloud(candidate);
     const Alignment& alignment = result.match.alignment;
     return {alignment.T_target_source,
             alignment.covariance + diagonal_covariance(config_.min_stddev_x, config_.min_stddev_q),

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "lidar_mapping/common/voxel_index.hpp"
+#include "lidar_mapping/loop_closing/key_frame_preparation.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -152,9 +153,7 @@ double roofed_fraction(const Submap& submap) {
 
 MatchFigures measure_match(const QueryScan& query, const Submap& submap, const Pose& T_submap_query,
                            double fitness_score_max_range) {
-  Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
-  T.linear() = T_submap_query.rotation_matrix().cast<float>();
-  T.translation() = T_submap_query.translation.cast<float>();
+  const Eigen::Isometry3f T = isometry(T_submap_query);
   MatchFigures figures;
   measure_pairs(query, submap, T, static_cast<float>(fitness_score_max_range), figures);
   figures.sight = std::min(query.sight, submap.sight);

@@ -9,12 +9,22 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-const TrajectoryNode& newest(const Trajectory& trajectory) {
-  return trajectory[trajectory.size() - 1];
-}
-
 bool is_accepted(const VerifiedCandidate& verified) {
   return verified.decision.verdict == Verdict::kAccepted;
+}
+
+/// The match as a loop, with the covariance still to come.
+Loop as_loop(const VerifiedCandidate& verified, const Trajectory& trajectory) {
+  const TrajectoryNode& newest = trajectory[trajectory.size() - 1];
+  Loop loop;
+  loop.from = trajectory[verified.candidate.node].index;
+  loop.to = newest.index;
+  loop.stamp = newest.stamp;
+  loop.T_from_to = verified.match.alignment.T_target_source;
+  loop.fitness = verified.match.figures.fitness;
+  loop.overlap = verified.match.figures.overlap;
+  loop.source = verified.candidate.source;
+  return loop;
 }
 
 /// The Hessian includes only noise. The lower bound is the accuracy of the submap itself, which is
@@ -27,6 +37,13 @@ Covariance6 with_lower_bound(const Match& match, const LoopClosingConfig& config
 }
 
 }  // namespace
+
+VerifiedCandidate without_cloud(const Candidate& candidate) {
+  VerifiedCandidate result{
+      candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
+  result.match.alignment.T_target_source = candidate.T_from_to;
+  return result;
+}
 
 VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, const Submap& submap,
                            const LoopClosingConfig& config, ScanAlignment& alignment) {
@@ -62,29 +79,15 @@ void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Traject
 
 Loop to_loop(const VerifiedCandidate& verified, const Trajectory& trajectory,
              const LoopClosingConfig& config) {
-  Loop loop;
-  loop.from = trajectory[verified.candidate.node].index;
-  loop.to = newest(trajectory).index;
-  loop.stamp = newest(trajectory).stamp;
-  loop.T_from_to = verified.match.alignment.T_target_source;
+  Loop loop = as_loop(verified, trajectory);
   loop.covariance = with_lower_bound(verified.match, config);
-  loop.fitness = verified.match.figures.fitness;
-  loop.overlap = verified.match.figures.overlap;
-  loop.source = verified.candidate.source;
   return loop;
 }
 
 LoopVerdict to_verdict(const VerifiedCandidate& verified, const Trajectory& trajectory) {
-  LoopVerdict verdict;
-  verdict.from = trajectory[verified.candidate.node].index;
-  verdict.to = newest(trajectory).index;
-  verdict.stamp = newest(trajectory).stamp;
-  verdict.source = verified.candidate.source;
-  verdict.verdict = verified.decision.verdict;
-  verdict.reason = verified.decision.reason;
+  LoopVerdict verdict = verdict_on(as_loop(verified, trajectory), verified.decision.verdict,
+                                   verified.decision.reason);
   verdict.distance = verified.candidate.prior.T_from_to.translation.norm();
-  verdict.fitness = verified.match.figures.fitness;
-  verdict.overlap = verified.match.figures.overlap;
   verdict.free_space_violation = verified.match.figures.free_space_violation;
   verdict.horizontal_eigenvalue = verified.match.figures.horizontal_eigenvalue;
   verdict.innovation =

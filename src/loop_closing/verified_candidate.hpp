@@ -7,9 +7,6 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Reason why a candidate stays undecided.
-constexpr char kNoCloud[] = "the cloud of one of the two is not available";
-
 /// A candidate for the newest key frame with its match and the decision on it.
 struct VerifiedCandidate {
   Candidate candidate;
@@ -20,6 +17,8 @@ struct VerifiedCandidate {
   double margin() const { return margin_of(match.figures); }
 };
 
+/// A candidate that is undecided, because the cloud of one of the two is not available.
+VerifiedCandidate without_cloud(const Candidate& candidate);
 /// Matches a candidate from its T_from_to and decides on the match.
 VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, const Submap& submap,
                            const LoopClosingConfig& config, ScanAlignment& alignment);
