@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping {
 
@@ -17,13 +18,6 @@ namespace {
 constexpr Stamp kNanoseconds = 1'000'000'000;
 constexpr std::size_t kTumColumns = 8;     // time x y z qx qy qz qw, by the TUM RGB-D benchmark
 constexpr std::size_t kKittiColumns = 12;  // 3 x 4 matrix by rows, by the KITTI odometry benchmark
-
-void append_number(std::string& line, double number, const char* format) {
-  char text[40];
-  std::snprintf(text, sizeof text, format, number);
-  if (!line.empty() && line.back() != '\n') line += ' ';
-  line += text;
-}
 
 /// Seconds as text to nanoseconds without passing through a double, which would round.
 Stamp parse_seconds(const std::string& text) {
@@ -99,17 +93,13 @@ std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory, double la
 std::string to_tum(const Trajectory& trajectory) {
   std::string text;
   for (const StampedPose& entry : trajectory.poses) {
-    char stamp[40];
-    std::snprintf(stamp, sizeof stamp, "%lld.%09lld",
-                  static_cast<long long>(entry.stamp / kNanoseconds),
-                  static_cast<long long>(entry.stamp % kNanoseconds));
-    text += stamp;
+    const Stamp magnitude = std::abs(entry.stamp);
     const Eigen::Vector3d& t = entry.pose.translation;
     const Eigen::Quaterniond& q = entry.pose.rotation;
-    for (const double number : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) {
-      append_number(text, number, "%.9f");
-    }
-    text += '\n';
+    text += formatted("%s%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                      entry.stamp < 0 ? "-" : "", static_cast<long long>(magnitude / kNanoseconds),
+                      static_cast<long long>(magnitude % kNanoseconds), t.x(), t.y(), t.z(), q.x(),
+                      q.y(), q.z(), q.w());
   }
   return text;
 }
@@ -118,8 +108,9 @@ std::string to_kitti(const Trajectory& trajectory) {
   std::string text;
   for (const StampedPose& entry : trajectory.poses) {
     const Eigen::Matrix4d matrix = entry.pose.matrix();
-    for (int i = 0; i < 12; ++i) append_number(text, matrix(i / 4, i % 4), "%.12g");
-    text += '\n';
+    for (int i = 0; i < 12; ++i) {
+      text += formatted("%.12g%c", matrix(i / 4, i % 4), i < 11 ? ' ' : '\n');
+    }
   }
   return text;
 }

@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
@@ -17,14 +16,12 @@ namespace {
 
 class TrajectoryFile : public testing::Test {
  protected:
-  void TearDown() override { std::filesystem::remove(path_); }
   Trajectory read(const std::string& text) {
     std::ofstream(path_) << text;
     return read_trajectory(path_);
   }
-  const std::string path_ = (std::filesystem::temp_directory_path() /
-                             ("trajectory_" + std::to_string(::getpid()) + ".txt"))
-                                .string();
+  const test::TemporaryFolder folder_;
+  const std::string path_ = (folder_.path() / "trajectory.txt").string();
 };
 
 Trajectory sample() {
@@ -43,6 +40,16 @@ TEST_F(TrajectoryFile, TumComesBackTheSame) {
     EXPECT_EQ(again.poses[i].stamp, sample().poses[i].stamp);
     EXPECT_TRUE(test::near(again.poses[i].pose, sample().poses[i].pose, 1e-8));
   }
+}
+
+// A stamp below zero has its sign once, and not in its fraction, too.
+TEST_F(TrajectoryFile, TumHasStampsBeforeTheEpochToo) {
+  const Trajectory before{{{-1'500'000'000, Pose()}, {-250'000'000, Pose()}}, true};
+  EXPECT_EQ(to_tum(before).substr(0, 13), "-1.500000000 ");
+  const Trajectory again = read(to_tum(before));
+  ASSERT_EQ(again.poses.size(), 2U);
+  EXPECT_EQ(again.poses[0].stamp, -1'500'000'000);
+  EXPECT_EQ(again.poses[1].stamp, -250'000'000);
 }
 
 TEST_F(TrajectoryFile, KittiComesBackTheSame) {
