@@ -37,9 +37,11 @@ Stamp end_of_date(const std::string& text) {
   for (const DateFormat& known : kFormats) {
     std::tm parts{};
     const char* rest = strptime(text.c_str(), known.format, &parts);
-    if (rest != nullptr && is_end(rest)) {
-      return (static_cast<Stamp>(timegm(&parts)) + known.seconds) * kSecond - 1;
-    }
+    if (rest == nullptr || !is_end(rest)) continue;
+    const int day = parts.tm_mday;
+    const auto begin = static_cast<Stamp>(timegm(&parts));
+    if (parts.tm_mday != day) break;  // 31 April became 1 May
+    return (begin + known.seconds) * kSecond - 1;
   }
   throw InputError("'" + text +
                    "' is not a date; write it as 2026-05-01 or 2026-05-01T12:00 (UTC)");

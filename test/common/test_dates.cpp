@@ -19,10 +19,12 @@ TEST(Dates, EndWithTheirLastNanosecond) {
   EXPECT_EQ(end_of_date("2026-05-01"), kMidnight + 86400 * kSecond - 1);
   EXPECT_EQ(end_of_date("2026-05-01T00:00"), kMidnight + 60 * kSecond - 1);
   EXPECT_EQ(end_of_date("2026-05-01T00:00:00Z"), kMidnight + kSecond - 1);
+  EXPECT_NO_THROW(end_of_date("2028-02-29"));
 }
 
 TEST(Dates, RefuseWhatIsNone) {
-  for (const char* text : {"", "yesterday", "2026-13-01", "2026-05-01T25:00", "2026-05-01 noon"}) {
+  for (const char* text : {"", "yesterday", "2026-13-01", "2026-04-31", "2026-02-29T12:00",
+                           "2026-05-01T25:00", "2026-05-01 noon"}) {
     EXPECT_THROW(end_of_date(text), InputError) << text;
   }
 }
