@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace lidar_mapping {
 
@@ -22,7 +23,7 @@ class NamelessFile {
   void read(std::uint64_t offset, void* data, std::size_t bytes) const;
 
  private:
-  [[noreturn]] void fail() const;
+  [[noreturn]] void fail(const std::string& reason) const;
 
   std::filesystem::path directory_;
   int descriptor_ = -1;
