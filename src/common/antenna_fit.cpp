@@ -83,13 +83,11 @@ bool AntennaFit::Result::is_late() const {
 }
 
 void AntennaFit::add(const TrackedFix& fix) {
-  if (!window_.empty() && to_seconds(fix.stamp - window_.front().stamp) > kWindow) finish_window();
+  if (!window_.empty() && to_seconds(fix.stamp - window_.front().stamp) > kWindow) begin_window();
   window_.push_back(fix);
 }
 
-void AntennaFit::begin_window() { finish_window(); }
-
-void AntennaFit::finish_window() {
+void AntennaFit::begin_window() {
   std::vector<TrackedFix> window;
   window.swap(window_);
   if (window.size() < kMinFixes) return;

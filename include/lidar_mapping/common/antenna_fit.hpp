@@ -33,7 +33,8 @@ class AntennaFit {
   /// Adds the next fix, in the order of the stamps; one that lies more than 12 s behind the first
   /// of the window begins a new window.
   void add(const TrackedFix& fix);
-  /// Begins a window, because dead reckoning does not connect the next fix to those before.
+  /// Begins a window, because dead reckoning does not connect the next fix to those before. The one
+  /// that was open counts in result() from now on.
   void begin_window();
   /// Removes all windows.
   void clear() { *this = {}; }
@@ -58,8 +59,6 @@ class AntennaFit {
   Result result(double arm_prior = kMeasuredArm) const;
 
  private:
-  void finish_window();
-
   std::vector<TrackedFix> window_;
   Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();  ///< arm x, arm y, delay
   Eigen::Vector3d right_side_ = Eigen::Vector3d::Zero();
