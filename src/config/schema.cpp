@@ -2,7 +2,6 @@
 #include "lidar_mapping/config/schema.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "lidar_mapping/common/text.hpp"
@@ -11,18 +10,13 @@ namespace lidar_mapping::config {
 
 namespace {
 
-bool is_same_word(const std::string& a, const std::string& b) {
-  const auto is_same = [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_same);
-}
-
 /// Without those that differ from an earlier one by capital letters alone.
 std::vector<std::string> told_apart(const std::vector<std::string>& words) {
   std::vector<std::string> result;
   for (const std::string& word : words) {
-    const auto is_same = [&](const std::string& other) { return is_same_word(word, other); };
+    const auto is_same = [&](const std::string& other) {
+      return lower_case(word) == lower_case(other);
+    };
     if (std::none_of(result.begin(), result.end(), is_same)) result.push_back(word);
   }
   return result;
@@ -113,7 +107,14 @@ std::string print_value(int field) { return std::to_string(field); }
 
 std::string print_value(bool field) { return field ? "true" : "false"; }
 
-std::string print_value(const std::string& field) { return '"' + field + '"'; }
+std::string print_value(const std::string& field) {
+  std::string text;
+  for (const char letter : field) {
+    if (letter == '"' || letter == '\\') text += '\\';
+    text += letter;
+  }
+  return '"' + text + '"';
+}
 
 std::string print_value(const std::vector<double>& field) {
   std::vector<std::string> texts;

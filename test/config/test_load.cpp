@@ -151,6 +151,14 @@ TEST(Print, YamlComesBackTheSame) {
   EXPECT_EQ(again.part.size, 0.3);
 }
 
+TEST(Print, TextComesBackTheSameWhateverItHolds) {
+  Sample sample;
+  for (const std::string text : {"", "/points", "C:\\files", "a \"quoted\" word", "# 'x': [1]"}) {
+    sample.topic = text;
+    EXPECT_EQ(load_text(to_yaml(sample)).topic, text);
+  }
+}
+
 TEST(Print, TableHasALinePerField) {
   const std::string table = to_markdown<Sample>();
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2 + 7);

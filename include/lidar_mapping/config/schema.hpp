@@ -49,7 +49,7 @@ std::string print_value(double field);
 std::string print_value(int field);
 /// true or false.
 std::string print_value(bool field);
-/// A text in quotation marks.
+/// A text in quotation marks, with a backslash before those that it holds and before its own.
 std::string print_value(const std::string& field);
 /// A list: [1.0, 2.0].
 std::string print_value(const std::vector<double>& field);
