@@ -107,17 +107,6 @@ Source source_from(const YAML::Node& root, const std::string& origin) {
   return {origin, Conversion().value_from(root)};
 }
 
-/// YAML::Exception is not only of the parser: also of what it made, where that has no sense.
-Source parsed(const std::string& text, const std::string& origin) {
-  check_nesting(text, origin);
-  try {
-    return source_from(YAML::Load(text), origin);
-  } catch (const YAML::Exception& error) {
-    const bool has_line = !error.mark.is_null();
-    refuse(origin, has_line ? static_cast<std::size_t>(error.mark.line) + 1 : 1, error.msg);
-  }
-}
-
 void flatten(const std::string& prefix, const Value& value, std::map<std::string, Value>& leaves) {
   if (const auto* map = std::get_if<Value::Map>(&value.data)) {
     for (const auto& [key, child] : *map) {
@@ -132,11 +121,18 @@ void flatten(const std::string& prefix, const Value& value, std::map<std::string
 
 Source read_yaml_file(const std::string& path) {
   std::ifstream file = open_for_reading(path);
-  return parsed({std::istreambuf_iterator<char>(file), {}}, path);
+  return parse_yaml({std::istreambuf_iterator<char>(file), {}}, path);
 }
 
+/// YAML::Exception is not only of the parser: also of what it made, where that has no sense.
 Source parse_yaml(const std::string& text, const std::string& origin) {
-  return parsed(text, origin);
+  check_nesting(text, origin);
+  try {
+    return source_from(YAML::Load(text), origin);
+  } catch (const YAML::Exception& error) {
+    const bool has_line = !error.mark.is_null();
+    refuse(origin, has_line ? static_cast<std::size_t>(error.mark.line) + 1 : 1, error.msg);
+  }
 }
 
 std::map<std::string, Value> flattened(const Value& values) {
