@@ -16,13 +16,16 @@ struct Alignment {
   bool converged = false;
   int iterations = 0;
   /// Covariance of T_target_source from the Hessian and the variance of the last residuals, without
-  /// a lower bound.
+  /// a lower bound. The noise of normals passes for information: on an even field whose points
+  /// scatter it is much too small in the directions that nothing determines. No loop comes of such
+  /// a field, because nothing stands above its ground (MatchFigures::tested_points).
   Covariance6 covariance = Covariance6::Identity();
 };
 
 /// Robust point-to-plane registration from coarse to fine: the largest pair distance decreases from
-/// 5 to 0.6 m while the number of points grows (doc/loop_closing.md). It converges from errors of 2
-/// m and 5 degrees.
+/// 5 to 0.6 m while the number of points grows (doc/loop_closing.md). It is made for errors of the
+/// guess up to 2 m and 5 degrees, and mostly finds the pose from there. It may also end at a wrong
+/// one, with `converged` true: the figures of the match have to tell (measure_match()).
 Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
                                const SurfaceCloud& target, const Pose& T_target_source_guess);
 

@@ -43,7 +43,7 @@ class PlaceVerifier {
   /// The scan that the following calls of match() are about.
   void set_query(const PlaceQuery& query);
   /// Matches that scan with the key frame at this position in `key_frames`, from a starting pose
-  /// which may be wrong by 2 m and 5 degrees. Not accepted where the cloud is not available.
+  /// that should be right to 2 m and 5 degrees. Not accepted where the cloud is not available.
   PlaceMatch match(std::size_t place, const Pose& T_place_scan_guess);
 
  private:
