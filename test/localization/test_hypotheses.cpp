@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "hypotheses.hpp"
 #include "near.hpp"
 #include "toy_map.hpp"
@@ -74,6 +76,51 @@ TEST(Hypothesis, IsNotToldApartBySmallDifferencesNorByOneScanAtRest) {
   EXPECT_LT(alike.deficit(), 0.1);
 }
 
+double deficit_after(double best, double way) {
+  Hypothesis place(at(0.0));
+  place.compare(best, way);
+  return place.deficit();
+}
+
+// The place itself agrees by nothing, so 0.5 are missing beyond the 0.15 that tell nothing.
+TEST(Hypothesis, FallsBehindByTheDifferenceAndTheWay) {
+  EXPECT_NEAR(deficit_after(0.65, 1.0), 0.4 * 0.5, 1e-12);
+  EXPECT_NEAR(deficit_after(0.65, 0.5), 0.2 * 0.5, 1e-12);
+  EXPECT_NEAR(deficit_after(0.65, 0.0), 0.04 * 0.5, 1e-12)
+      << "a scan at rest is a tenth of a metre";
+  EXPECT_NEAR(deficit_after(0.65, 9.0), 0.4 * 0.5, 1e-12) << "one scan is no more than a metre";
+  Hypothesis far_behind(at(0.0));
+  for (int i = 0; i < 1000; ++i) far_behind.compare(1.0, 1.0);
+  EXPECT_NEAR(far_behind.deficit(), 12.0, 1e-12) << "so that it can become the best one again";
+}
+
+TEST(Hypothesis, IsGivenUpAfterTenRefusals) {
+  Hypothesis place(at(0.0));
+  for (int i = 0; i < 9; ++i) place.refuse();
+  EXPECT_FALSE(place.is_refuted());
+  for (int i = 0; i < 2; ++i) place.refuse();
+  EXPECT_TRUE(place.is_refuted());
+}
+
+TEST(Hypothesis, CanChangeItsMindHoweverOftenItHeardTheSame) {
+  Hypothesis right(at(0.0)), wrong(at(0.0));
+  for (int i = 0; i < 100; ++i) right.verify(at(0.0));
+  for (int i = 0; i < 100; ++i) wrong.refuse();
+  EXPECT_NEAR(right.log_odds(), 7.0, 1e-12);
+  EXPECT_NEAR(wrong.log_odds(), -3.0, 1e-12);
+}
+
+TEST(Hypothesis, BecomesLessCertainWithEachStepOfAPerfectOdometry) {
+  Hypothesis place(at(0.0));
+  for (int i = 0; i < 100; ++i) place.move(Pose::Identity(), Covariance6::Zero());
+  const Covariance6& covariance = place.estimate().covariance;
+  const double angle = 0.03 * kRadPerDeg;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(covariance(axis, axis), 0.1 * 0.1 + 100.0 * 0.01 * 0.01, 1e-9) << axis;
+    EXPECT_NEAR(covariance(axis + 3, axis + 3), 0.01 * 0.01 + 100.0 * angle * angle, 1e-9) << axis;
+  }
+}
+
 MapMatch match_with(double coverage, double agreement, bool converged = true,
                     std::size_t points = 500) {
   MapMatch match;
@@ -88,6 +135,16 @@ TEST(Evidence, IsWhatTheMapSays) {
   EXPECT_EQ(evidence_of(match_with(0.1, 0.9)), Evidence::kUnknown);
   EXPECT_EQ(evidence_of(match_with(0.8, 0.7, false)), Evidence::kContradicts);
   EXPECT_EQ(evidence_of(match_with(0.8, 0.7, true, 40)), Evidence::kUnknown);
+}
+
+TEST(Evidence, ChangesAtItsLimits) {
+  EXPECT_EQ(evidence_of(match_with(0.41, 0.26)), Evidence::kAgrees);
+  EXPECT_EQ(evidence_of(match_with(0.39, 0.26)), Evidence::kUnknown);
+  EXPECT_EQ(evidence_of(match_with(0.41, 0.24)), Evidence::kUnknown);
+  EXPECT_EQ(evidence_of(match_with(0.41, 0.16)), Evidence::kUnknown);
+  EXPECT_EQ(evidence_of(match_with(0.41, 0.14)), Evidence::kContradicts);
+  EXPECT_EQ(evidence_of(match_with(0.41, 0.26, true, 150)), Evidence::kAgrees);
+  EXPECT_EQ(evidence_of(match_with(0.41, 0.26, true, 149)), Evidence::kUnknown);
 }
 
 }  // namespace

@@ -23,6 +23,17 @@ class Matching : public testing::Test {
   MapMatch match(const Pose& truth, const Pose& guess, double sigma) {
     return matcher_.match(scan_at(truth), surfaces_, {guess, diagonal_covariance(sigma, 0.05)});
   }
+  /// A place that is known to 0.2 m and 0.05 rad.
+  static Hypothesis place_at(const Pose& guess) {
+    return Hypothesis(PoseEstimate{guess, diagonal_covariance(0.2, 0.05)});
+  }
+  /// By how much a scan, `way` metres after the one before, changes the odds of such a place.
+  double change_of_odds(const Pose& truth, const Pose& guess, double way) {
+    Hypothesis place = place_at(guess);
+    const double before = place.log_odds();
+    place.update(scan_at(truth), surfaces_, matcher_, way);
+    return place.log_odds() - before;
+  }
 
   const ToyWorld world_;
   MapSurfaces surfaces_;
@@ -54,6 +65,36 @@ TEST_F(Matching, ContradictsAtAWrongPlaceAndDoesNotKnowOthers) {
   const Pose here = planar(10.0, 1.0, 0.0);
   EXPECT_EQ(evidence_of(match(here, planar(-25.0, 0.0, 0.0), 0.2)), Evidence::kContradicts);
   EXPECT_EQ(evidence_of(match(here, planar(10.0, 1.0, 0.0, 50.0), 0.2)), Evidence::kUnknown);
+}
+
+TEST_F(Matching, ChangesTheOddsOfAPlaceByWhatTheScanSays) {
+  const Pose turned = planar(10.0, 1.0, 0.1), beside = planar(10.15, 0.9, 0.11);
+  EXPECT_NEAR(change_of_odds(turned, beside, 1.0), 1.5, 1e-12);
+  EXPECT_NEAR(change_of_odds(turned, beside, 8.0), 1.5, 1e-12) << "no more than a metre";
+  EXPECT_NEAR(change_of_odds(turned, beside, 0.0), 0.15, 1e-12) << "at rest";
+  const Pose here = planar(10.0, 1.0, 0.0);
+  EXPECT_NEAR(change_of_odds(here, planar(-25.0, 0.0, 0.0), 1.0), -1.0, 1e-12);
+  EXPECT_NEAR(change_of_odds(here, planar(10.0, 1.0, 0.0, 50.0), 1.0), -0.02, 1e-12);
+}
+
+// A place that odometry has led to may be a wrong one that agrees as well.
+TEST_F(Matching, DoesNotFollowAPlaceAgainBeforeItIsVerified) {
+  const Pose truth = planar(10.0, 1.0, 0.1);
+  const ScanPoints scan = scan_at(truth);
+  const PointCloud cloud = world_.scan(truth, 9);
+  PointCloud covered;
+  for (std::size_t i = 0; i < cloud.size(); i += cloud.size() / 40) {
+    covered.points.push_back(cloud.points[i]);
+  }
+  Hypothesis place = place_at(planar(10.15, 0.9, 0.11));
+  const auto evidence_of_scan = [&](const ScanPoints& points) {
+    return place.update(points, surfaces_, matcher_, 1.0);
+  };
+  EXPECT_EQ(evidence_of_scan(scan), Evidence::kAgrees);
+  EXPECT_EQ(evidence_of_scan(sampler_.sample(covered, ToyWorld::sensor())), Evidence::kUnknown);
+  EXPECT_EQ(evidence_of_scan(scan), Evidence::kUnconfirmed);
+  place.verify(place.match().estimate);
+  EXPECT_EQ(evidence_of_scan(scan), Evidence::kAgrees);
 }
 
 TEST_F(Matching, IsAsGoodFarFromTheOrigin) {
