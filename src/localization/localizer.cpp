@@ -21,11 +21,11 @@ namespace {
 constexpr double kMapNoise = 0.02;
 constexpr double kMapNoiseAngle = 0.0009;
 
-double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
-
 /// m: standard deviation from which on a pose by odometry is worth nothing: a match does not find
 /// back from there. Chosen: half of a street and more.
 constexpr double kGreatestStddev = 5.0;
+
+double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
 std::string sentence(Evidence evidence, const Agreement& agreement) {
   const double shown = 100.0 * agreement.agreement;
@@ -164,7 +164,6 @@ class Localizer::Impl {
     claim_.reset();
     const auto found = finder_.search(input, points, matcher_, way);
     LocalizationResult result;
-    result.hypotheses = finder_.hypotheses().size();
     if (const Hypothesis* best = finder_.hypotheses().best()) result = described(*best);
     result.hypotheses = finder_.hypotheses().size();
     result.probability = finder_.hypotheses().probability();

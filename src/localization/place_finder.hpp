@@ -40,7 +40,8 @@ class PlaceFinder {
     Confirmation outcome = Confirmation::kNotDue;
     PoseEstimate verified;  ///< if accepted
   };
-  /// Verifies a place that is followed with this scan and those before it that were given here.
+  /// Verifies a place that is followed, if that is due: with this scan and those with which it was
+  /// verified before.
   Confirmed confirm(const LocalizerInput& input, const Pose& T_map_base, double way);
 
   const Hypotheses& hypotheses() const { return hypotheses_; }

@@ -19,9 +19,10 @@ using loop_closing::test::planar;
 using loop_closing::test::ToyWorld;
 
 /// What a perfect mapping makes of key frames at these poses.
-inline MapSource source_of(const std::vector<Pose>& poses) {
+inline MapSource source_of(const std::vector<Pose>& poses,
+                           const Eigen::Vector3d& p_base_lidar = ToyWorld::sensor()) {
   MapSource source;
-  source.p_base_lidar = ToyWorld::sensor();
+  source.p_base_lidar = p_base_lidar;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     KeyFrame key_frame;
     key_frame.index = static_cast<KeyFrameIndex>(i);

@@ -15,11 +15,7 @@ namespace {
 using lidar_mapping::test::near;
 
 Appearance appearance_at(const ToyWorld& world, const Pose& pose) {
-  const auto points = positions(world.scan(pose, 7));
-  Appearance appearance;
-  appearance.view = BirdsEyeView(points, above_ground(points));
-  appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
-  return appearance;
+  return appearance_of(positions(world.scan(pose, 7)));
 }
 
 double modulo_pi(double angle) { return std::abs(std::remainder(angle, kPi)); }

@@ -10,17 +10,7 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-/// Recorded key frames in the format of the KITTI benchmark.
-class RecordedClouds : public CloudSource {
- public:
-  explicit RecordedClouds(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  PointCloudPtr cloud(KeyFrameIndex index) override {
-    return std::make_shared<PointCloud>(lidar_mapping::test::recorded_scan(folder_, index));
-  }
-
- private:
-  std::filesystem::path folder_;
-};
+using lidar_mapping::test::RecordedClouds;
 
 /// Processes the key frames [first, last] with an odometry that drifts.
 void drive_part(LoopCloser& closer, const std::vector<Pose>& truth,

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/cloud_source.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
 namespace lidar_mapping::test {
@@ -25,6 +27,18 @@ inline PointCloud recorded_scan(const std::filesystem::path& folder, std::size_t
   if (!file) throw std::runtime_error("cannot read " + path.string());
   return cloud;
 }
+
+/// The scans of a set as the clouds of key frames.
+class RecordedClouds : public CloudSource {
+ public:
+  explicit RecordedClouds(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  PointCloudPtr cloud(KeyFrameIndex index) override {
+    return std::make_shared<PointCloud>(recorded_scan(folder_, index));
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
 
 /// Poses of a set's scans, from FOLDER/poses.txt.
 inline std::vector<Pose> recorded_poses(const std::filesystem::path& folder) {
