@@ -127,10 +127,9 @@ std::size_t PlaceSearch::nearest_place(const Pose& T_map_base, double height_wei
 
 std::optional<PoseEstimate> PlaceSearch::verified(const Pose& T_map_base_guess) {
   const std::size_t place = nearest_place(T_map_base_guess, kHeightWeight);
-  const loop_closing::PlaceMatch match =
-      verifier_.match(place, places_[place].inverse() * T_map_base_guess);
-  if (!match.accepted) return std::nullopt;
-  return PoseEstimate{places_[place] * match.T_place_scan, match.covariance};
+  const auto match = verifier_.match(place, places_[place].inverse() * T_map_base_guess);
+  if (!match) return std::nullopt;
+  return PoseEstimate{places_[place] * match->T_place_scan, match->covariance};
 }
 
 }  // namespace lidar_mapping::localization

@@ -26,19 +26,19 @@ class PlaceVerifier::Impl {
     query_.image = FreeSpaceImage(query.scan, query.p_base_lidar.cast<float>());
   }
 
-  PlaceMatch match(std::size_t place, const Pose& T_place_scan_guess) {
+  std::optional<PlaceMatch> match(std::size_t place, const Pose& T_place_scan_guess) {
     const auto submap = submaps_.around(trajectory_, place);
+    if (submap == nullptr) return std::nullopt;
     Candidate candidate;
     candidate.node = place;
     candidate.source = LoopSource::kAppearance;
     candidate.T_from_to = T_place_scan_guess;
-    const VerifiedCandidate result = submap
-                                         ? verified(candidate, query_, *submap, config_, alignment_)
-                                         : without_cloud(candidate);
+    const VerifiedCandidate result = verified(candidate, query_, *submap, config_, alignment_);
+    if (result.decision.verdict != Verdict::kAccepted) return std::nullopt;
     const Alignment& alignment = result.match.alignment;
-    return {alignment.T_target_source,
-            alignment.covariance + diagonal_covariance(config_.min_stddev_x, config_.min_stddev_q),
-            result.margin(), result.decision.verdict == Verdict::kAccepted, result.decision.reason};
+    return PlaceMatch{
+        alignment.T_target_source,
+        alignment.covariance + diagonal_covariance(config_.min_stddev_x, config_.min_stddev_q)};
   }
 
  private:
@@ -56,7 +56,7 @@ PlaceVerifier::PlaceVerifier(const LoopClosingConfig& config, CloudSource& cloud
 PlaceVerifier::~PlaceVerifier() = default;
 
 void PlaceVerifier::set_query(const PlaceQuery& query) { impl_->set_query(query); }
-PlaceMatch PlaceVerifier::match(std::size_t place, const Pose& T_place_scan_guess) {
+std::optional<PlaceMatch> PlaceVerifier::match(std::size_t place, const Pose& T_place_scan_guess) {
   return impl_->match(place, T_place_scan_guess);
 }
 

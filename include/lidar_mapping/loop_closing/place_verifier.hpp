@@ -2,7 +2,7 @@
 #pragma once
 
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/cloud_source.hpp"
@@ -19,14 +19,12 @@ struct PlaceQuery {
   Eigen::Vector3d p_base_lidar = Eigen::Vector3d::Zero();
 };
 
-/// The match of a scan with the surroundings of a key frame.
+/// The accepted match of a scan with the surroundings of a key frame: both saw the same, or another
+/// place that looks the same.
 struct PlaceMatch {
   Pose T_place_scan;  ///< of base_link at the scan in that at the key frame
   /// Of that pose, in the axes of the scan's base_link, with the lower bounds of loops.
   Covariance6 covariance = Covariance6::Identity();
-  double margin = 0.0;    ///< overlap minus twice the free-space violation, at most 1
-  bool accepted = false;  ///< both saw the same, or another place that looks the same
-  std::string reason;     ///< one sentence: figure, limit and parameter
 };
 
 /// Tells whether a scan of any drive was taken at a key frame of a finished map, by the matching
@@ -43,8 +41,9 @@ class PlaceVerifier {
   /// The scan that the following calls of match() are about.
   void set_query(const PlaceQuery& query);
   /// Matches that scan with the key frame at this position in `key_frames`, from a starting pose
-  /// that should be right to 2 m and 5 degrees. Not accepted where the cloud is not available.
-  PlaceMatch match(std::size_t place, const Pose& T_place_scan_guess);
+  /// that should be right to 2 m and 5 degrees. Empty if the match is not accepted, or if the cloud
+  /// is not available.
+  std::optional<PlaceMatch> match(std::size_t place, const Pose& T_place_scan_guess);
 
  private:
   class Impl;
