@@ -28,7 +28,7 @@ class UtmFrame {
   std::uint16_t epsg() const;
 
  private:
-  class Impl;
+  struct Impl;
   std::shared_ptr<const Impl> impl_;
 };
 
