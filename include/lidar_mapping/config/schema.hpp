@@ -73,41 +73,26 @@ class Schema {
   /// sentence.
   Schema& real(const std::string& name, double Config::*field, Range range, const std::string& unit,
                const std::string& meaning) {
-    return add(
-        {name, print_value(Config{}.*field), describe("real number", range), unit, meaning},
-        [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
-        [=](const Config& c) { return print_value(c.*field); });
+    return add_value({name, "", describe("real number", range), unit, meaning}, field, range);
   }
   /// A field with a whole number.
   Schema& integer(const std::string& name, int Config::*field, Range range, const std::string& unit,
                   const std::string& meaning) {
-    return add(
-        {name, print_value(Config{}.*field), describe("integer", range), unit, meaning},
-        [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
-        [=](const Config& c) { return print_value(c.*field); });
+    return add_value({name, "", describe("integer", range), unit, meaning}, field, range);
   }
   /// A field that is true or false.
   Schema& boolean(const std::string& name, bool Config::*field, const std::string& meaning) {
-    return add(
-        {name, print_value(Config{}.*field), "true or false", "", meaning},
-        [=](Config& c, const Value& v) { return read_value(v, c.*field); },
-        [=](const Config& c) { return print_value(c.*field); });
+    return add_value({name, "", "true or false", "", meaning}, field);
   }
   /// A field with any text.
   Schema& text(const std::string& name, std::string Config::*field, const std::string& meaning) {
-    return add(
-        {name, print_value(Config{}.*field), "text", "", meaning},
-        [=](Config& c, const Value& v) { return read_value(v, c.*field); },
-        [=](const Config& c) { return print_value(c.*field); });
+    return add_value({name, "", "text", "", meaning}, field);
   }
   /// A list of exactly `size` numbers.
   Schema& reals(const std::string& name, std::vector<double> Config::*field, std::size_t size,
                 const std::string& unit, const std::string& meaning) {
-    return add(
-        {name, print_value(Config{}.*field), "list of " + std::to_string(size) + " numbers", unit,
-         meaning},
-        [=](Config& c, const Value& v) { return read_value(v, size, c.*field); },
-        [=](const Config& c) { return print_value(c.*field); });
+    return add_value({name, "", "list of " + std::to_string(size) + " numbers", unit, meaning},
+                     field, size);
   }
   /// One of several words, each standing for a value of an enumeration.
   template <typename Enum>
@@ -133,7 +118,7 @@ class Schema {
       }
       return std::string("is none of the choices");
     };
-    return add({name, print(Config{}), describe_choices(names), "", meaning}, read, print);
+    return add({name, "", describe_choices(names), "", meaning}, read, print);
   }
   /// All fields of a part, under `prefix` ("" or "group/").
   template <typename Part>
@@ -141,7 +126,6 @@ class Schema {
     for (const auto& entry : schema.fields()) {
       FieldDescription description = entry.description;
       description.name = prefix + description.name;
-      description.default_value = entry.print(Config{}.*part);
       add(
           std::move(description),
           [=, read = entry.read](Config& c, const Value& v) { return read(c.*part, v); },
@@ -183,8 +167,18 @@ class Schema {
   const std::vector<std::function<std::string(const Config&)>>& checks() const { return checks_; }
 
  private:
+  /// A field that read_value(value, limits..., field) reads and print_value(field) prints.
+  template <typename Type, typename... Limits>
+  Schema& add_value(FieldDescription description, Type Config::*field, const Limits&... limits) {
+    return add(
+        std::move(description),
+        [=](Config& c, const Value& v) { return read_value(v, limits..., c.*field); },
+        [=](const Config& c) { return print_value(c.*field); });
+  }
+  /// Its default is that of a default-constructed `Config`.
   Schema& add(FieldDescription description, std::function<std::string(Config&, const Value&)> read,
               std::function<std::string(const Config&)> print) {
+    description.default_value = print(Config{});
     fields_.push_back({std::move(description), std::move(read), std::move(print)});
     return *this;
   }
