@@ -193,20 +193,16 @@ class PcdHeaderOf : public Files {
     return file_error_of([&] { read(text); });
   }
   /// A file of two points, with one line of its header replaced.
-  static std::string with(const std::string& line) {
-    const std::string key = line.substr(0, line.find(' '));
-    std::string text;
-    std::istringstream lines(pcd_header(2));
-    for (std::string original; std::getline(lines, original);) {
-      text += (original.substr(0, original.find(' ')) == key ? line : original) + "\n";
-    }
-    return text + std::string(2 * 16, '\0');
-  }
-  static std::string without(const std::string& key) {
+  static std::string with(const std::string& line) { return with(first_word(line), line + "\n"); }
+  static std::string without(const std::string& key) { return with(key, ""); }
+
+ private:
+  static std::string first_word(const std::string& line) { return line.substr(0, line.find(' ')); }
+  static std::string with(const std::string& key, const std::string& replacement) {
     std::string text;
     std::istringstream lines(pcd_header(2));
     for (std::string line; std::getline(lines, line);) {
-      if (line.substr(0, line.find(' ')) != key) text += line + "\n";
+      text += first_word(line) == key ? replacement : line + "\n";
     }
     return text + std::string(2 * 16, '\0');
   }
