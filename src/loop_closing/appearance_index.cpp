@@ -58,14 +58,13 @@ std::array<double, 2> headings_by_views(const Appearance& older, const Appearanc
 }
 
 void AppearanceIndex::append(const std::optional<Appearance>& appearance) {
-  if (!appearance) {
-    coarse_keys_.emplace_back();
-    return;
-  }
+  const std::size_t node = coarse_keys_.size();
+  std::optional<CoarseKey>& coarse_key = coarse_keys_.emplace_back();
+  if (!appearance) return;
   if (!file_) file_ = std::make_unique<NamelessFile>(directory_);
   const Stored stored{appearance->descriptor.key(), *appearance};
-  file_->write(coarse_keys_.size() * sizeof(Stored), &stored, sizeof(Stored));
-  coarse_keys_.emplace_back(stored.key);
+  file_->write(node * sizeof(Stored), &stored, sizeof(Stored));
+  coarse_key.emplace(stored.key);
 }
 
 std::optional<Appearance> AppearanceIndex::operator[](std::size_t node) const {

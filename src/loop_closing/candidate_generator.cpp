@@ -49,9 +49,9 @@ void CandidateGenerator::append(const KeyFrame& key_frame,
   const double step = continues ? trajectory_[node].travelled - trajectory_[node - 1].travelled
                                 : std::numeric_limits<double>::infinity();
   graph_distance_.append(step);
-  appearances_.append(appearance);
   if (appearance) sight_ = range_of_sight(appearance->view);
   update_grids(node);
+  appearances_.append(appearance);  // last, because it throws if the disk is full
 }
 
 void CandidateGenerator::update_grids(NodeId node) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
 #include "near.hpp"
 #include "surface.hpp"
+#include "temporary_folder.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {
@@ -99,6 +102,21 @@ TEST(AppearanceIndex, ReturnsTheStoredAppearances) {
   ASSERT_TRUE(index[1].has_value());
   EXPECT_EQ(index[1]->view.cells(), first.view.cells());
   EXPECT_EQ(index[1]->descriptor.key(), first.descriptor.key());
+}
+
+// Nodes are numbered as those of the trajectory, whatever happens to the disk.
+TEST(AppearanceIndex, CountsANodeWhoseAppearanceCannotBeStored) {
+  const lidar_mapping::test::TemporaryFolder folder;
+  const std::filesystem::path no_folder = folder.path() / "file";
+  std::ofstream(no_folder) << "in the way";
+  AppearanceIndex index(no_folder);
+  const Appearance appearance = appearance_at(make_town(100.0, 100.0, 5), planar(0.0, 0.0, 0.0));
+  EXPECT_THROW(index.append(appearance), FileError);
+  EXPECT_FALSE(index[0].has_value());
+  std::filesystem::remove(no_folder);
+  index.append(appearance);
+  ASSERT_TRUE(index[1].has_value());
+  EXPECT_EQ(index[1]->view.cells(), appearance.view.cells());
 }
 
 std::vector<Appearance> appearances_along_path(const ToyWorld& world) {

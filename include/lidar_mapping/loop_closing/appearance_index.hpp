@@ -36,7 +36,8 @@ class AppearanceIndex {
   /// The file is created in `directory` with the first appearance.
   explicit AppearanceIndex(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// Appends the appearance of the next node; empty if the node has no cloud.
+  /// Appends the appearance of the next node; empty if the node has no cloud. If it cannot be
+  /// stored, the node counts without it.
   void append(const std::optional<Appearance>& appearance);
   /// The appearance of a node, read from the file; empty if there is none.
   std::optional<Appearance> operator[](std::size_t node) const;
