@@ -95,7 +95,8 @@ Evidence Hypothesis::update(const ScanPoints& points, MapSurfaces& map, MapMatch
   return evidence_;
 }
 
-/// Who was carried to another street may find a wall there, too.
+/// A vehicle that was carried to another street finds walls there, too. So a place has to agree
+/// about as well as before, and after an interruption it has to be confirmed.
 Evidence Hypothesis::judged() const {
   const Evidence evidence = evidence_of(match_);
   if (evidence != Evidence::kAgrees) return evidence;

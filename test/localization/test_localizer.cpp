@@ -117,6 +117,11 @@ TEST(Localizer, ClaimsACovarianceThatItsErrorsHave) {
   EXPECT_LT(sum / static_cast<double>(followed), 2.0);
 }
 
+Box moved_east(const Box& box) {
+  const Eigen::Vector3d east(400.0, 0.0, 0.0);
+  return {box.low + east, box.high + east};
+}
+
 /// Houses of the town with x < 150, and the same once more 400 m east; far up the street along y
 /// the two differ.
 ToyWorld twin_world() {
@@ -125,14 +130,10 @@ ToyWorld twin_world() {
   const ToyWorld other = make_town(120.0, kStreets, 6);
   for (const Box& box : first.boxes) {
     world.boxes.push_back(box);
-    if (box.low.y() > 30.0) continue;
-    world.boxes.push_back(
-        {box.low + Eigen::Vector3d(400.0, 0.0, 0.0), box.high + Eigen::Vector3d(400.0, 0.0, 0.0)});
+    if (box.low.y() <= 30.0) world.boxes.push_back(moved_east(box));
   }
   for (const Box& box : other.boxes) {
-    if (box.low.y() <= 30.0) continue;
-    world.boxes.push_back(
-        {box.low + Eigen::Vector3d(400.0, 0.0, 0.0), box.high + Eigen::Vector3d(400.0, 0.0, 0.0)});
+    if (box.low.y() > 30.0) world.boxes.push_back(moved_east(box));
   }
   return world;
 }
@@ -200,8 +201,7 @@ TEST_F(Twins, AreToldApartByAnInitialPoseOfAnotherHeight) {
 ToyWorld same_town_twice() {
   ToyWorld world = make_town(120.0, kStreets, 5);
   const std::vector<Box> first = world.boxes;
-  const Eigen::Vector3d east(400.0, 0.0, 0.0);
-  for (const Box& box : first) world.boxes.push_back({box.low + east, box.high + east});
+  for (const Box& box : first) world.boxes.push_back(moved_east(box));
   return world;
 }
 
@@ -246,9 +246,8 @@ TEST(Localizer, NoticesThatItWasKidnappedAndFindsItselfAgain) {
   Vehicle vehicle(town(), town_map());
   ASSERT_TRUE(has_pose(vehicle.drive(line({-80.0, 0.0}, {-40.0, 0.0})).back().state));
   const auto path = line({48.0, 20.0}, {48.0, 80.0});
-  std::vector<LocalizationResult> results{vehicle.go_to(path.front(), planar(1.0, 0.0, 0.0))};
+  const auto results = vehicle.drive(path, planar(1.0, 0.0, 0.0));
   EXPECT_NE(results.front().state, LocalizationState::kFollowing) << results.front().reason;
-  for (std::size_t i = 1; i < path.size(); ++i) results.push_back(vehicle.go_to(path[i]));
   EXPECT_GT(count(results, LocalizationState::kLost), 0U);
   ASSERT_EQ(results.back().state, LocalizationState::kFollowing) << results.back().reason;
   EXPECT_TRUE(near(results.back().T_map_base, path.back(), 0.15, 0.01));
@@ -275,8 +274,7 @@ TEST(Localizer, IsNeverWrongInSilenceWhenItIsCarriedAlongItsStreet) {
     const auto before = at_speed({-85.0, 0.0}, {-60.0, 0.0});
     ASSERT_TRUE(has_pose(vehicle.drive(before).back().state));
     const auto path = at_speed({-60.0 + metres, 0.0}, {-15.0 + metres, 0.0});
-    std::vector<LocalizationResult> results{vehicle.go_to(path.front(), planar(0.8, 0.0, 0.0))};
-    for (std::size_t i = 1; i < path.size(); ++i) results.push_back(vehicle.go_to(path[i]));
+    const auto results = vehicle.drive(path, planar(0.8, 0.0, 0.0));
     EXPECT_NE(results.front().state, LocalizationState::kFollowing) << metres;
     expect_never_wrong_in_silence(results, path);
     EXPECT_EQ(results.back().state, LocalizationState::kFollowing)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/localization/localizer.hpp"
@@ -64,9 +65,13 @@ class Vehicle {
     last_ = truth;
     return localizer_.process(input);
   }
-  std::vector<LocalizationResult> drive(const std::vector<Pose>& path) {
+  /// Goes along a path; odometry may take the motion to its first pose for another one.
+  std::vector<LocalizationResult> drive(const std::vector<Pose>& path,
+                                        std::optional<Pose> felt = std::nullopt) {
     std::vector<LocalizationResult> results;
-    for (const Pose& pose : path) results.push_back(go_to(pose));
+    for (const Pose& pose : path) {
+      results.push_back(go_to(pose, std::exchange(felt, std::nullopt)));
+    }
     return results;
   }
   /// Odometry does not lead to the next scan.

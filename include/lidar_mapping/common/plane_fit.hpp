@@ -5,9 +5,9 @@
 
 namespace lidar_mapping {
 
-/// Sums over points, from which their mean and spread follow. In double precision, which
-/// is exact enough for a cell of some metres a few hundred metres from the origin; add points that
-/// are wider spread or farther away relative to a point nearby.
+/// Sums over points, from which their mean and spread follow. In double precision, which is exact
+/// enough for a cell of some metres a few hundred metres from the origin; add points that are wider
+/// spread or farther away relative to a point nearby.
 struct PointMoments {
   double count = 0.0;                                 ///< number of points
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();      ///< of the positions, m
