@@ -12,19 +12,12 @@ Covariance6 diagonal_covariance(double sigma_m, double sigma_rad) {
   return variances.asDiagonal();
 }
 
-namespace {
-
-Covariance6 rotated(const Covariance6& covariance, const Eigen::Matrix3d& R) {
+Covariance6 in_parent_axes(const Covariance6& covariance, const Pose& T_parent_child) {
+  const Eigen::Matrix3d R = T_parent_child.rotation_matrix();
   Matrix6d turn = Matrix6d::Zero();
   turn.topLeftCorner<3, 3>() = R;
   turn.bottomRightCorner<3, 3>() = R;
   return turn * covariance * turn.transpose();
-}
-
-}  // namespace
-
-Covariance6 in_parent_axes(const Covariance6& covariance, const Pose& T_parent_child) {
-  return rotated(covariance, T_parent_child.rotation_matrix());
 }
 
 Matrix6d adjoint(const Pose& T) {
