@@ -20,23 +20,6 @@ constexpr float kPairDistance = 0.3F;
 // m, for pairs that are side by side on one plane: twice kPairDistance; chosen
 constexpr float kPairSearch = 0.6F;
 
-/// Counts the points that contradict a range image.
-class FreeSpaceCounter {
- public:
-  void add(FreeSpaceImage::FreeSpaceTest result) {
-    if (result == FreeSpaceImage::FreeSpaceTest::kUntested) return;
-    ++tested_;
-    if (result == FreeSpaceImage::FreeSpaceTest::kViolation) ++violating_;
-  }
-  double violation_fraction() const {
-    return tested_ == 0 ? 0.0 : static_cast<double>(violating_) / tested_;
-  }
-
- private:
-  int tested_ = 0;
-  int violating_ = 0;
-};
-
 double smaller_eigenvalue(const Eigen::Matrix2d& scatter, int count) {
   if (count == 0) return 0.0;
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter / count).eigenvalues()[0];
@@ -104,27 +87,23 @@ void measure_pairs(const QueryScan& query, const Submap& submap,
   statistics.report(figures);
 }
 
-double violation_of_query(const QueryScan& query, const Submap& submap,
-                          const Eigen::Isometry3f& T_submap_query) {
-  FreeSpaceCounter counter;
-  for (std::size_t i = 0; i < query.points.size(); ++i) {
-    if (!query.above_ground[i]) continue;
-    const Eigen::Vector3f p = T_submap_query * query.points[i];
-    if (p.norm() < kTestRange) counter.add(submap.image.test_free_space(p));
-  }
-  return counter.violation_fraction();
-}
-
-double violation_of_submap(const QueryScan& query, const Submap& submap,
-                           const Eigen::Isometry3f& T_query_submap) {
-  FreeSpaceCounter counter;
-  const auto& points = submap.surface.tree().points();
+/// Fraction of the points above ground in space that the other side saw as free, of those that its
+/// image can test.
+double violation_fraction(const std::vector<Eigen::Vector3f>& points,
+                          const std::vector<bool>& is_above_ground, const FreeSpaceImage& image,
+                          const Eigen::Isometry3f& T_image_points) {
+  using FreeSpaceTest = FreeSpaceImage::FreeSpaceTest;
+  int tested = 0;
+  int violating = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!submap.above_ground[i]) continue;
-    const Eigen::Vector3f p = T_query_submap * points[i];
-    if (p.norm() < kTestRange) counter.add(query.image.test_free_space(p));
+    if (!is_above_ground[i]) continue;
+    const Eigen::Vector3f p = T_image_points * points[i];
+    if (!(p.norm() < kTestRange)) continue;
+    const FreeSpaceTest result = image.test_free_space(p);
+    tested += result == FreeSpaceTest::kUntested ? 0 : 1;
+    violating += result == FreeSpaceTest::kViolation ? 1 : 0;
   }
-  return counter.violation_fraction();
+  return tested == 0 ? 0.0 : static_cast<double>(violating) / tested;
 }
 
 }  // namespace
@@ -157,8 +136,10 @@ MatchFigures measure_match(const QueryScan& query, const Submap& submap, const P
   MatchFigures figures;
   measure_pairs(query, submap, T, static_cast<float>(fitness_score_max_range), figures);
   figures.sight = std::min(query.sight, submap.sight);
-  figures.free_space_violation = std::max(violation_of_query(query, submap, T),
-                                          violation_of_submap(query, submap, T.inverse()));
+  figures.free_space_violation =
+      std::max(violation_fraction(query.points, query.above_ground, submap.image, T),
+               violation_fraction(submap.surface.tree().points(), submap.above_ground, query.image,
+                                  T.inverse()));
   return figures;
 }
 
