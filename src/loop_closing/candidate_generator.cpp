@@ -114,8 +114,7 @@ std::vector<CandidateGenerator::NodeId> CandidateGenerator::suppress_neighbours(
   std::vector<NodeId> chosen;
   for (const NodeId node : nodes) {
     const auto is_near = [&](NodeId other) {
-      return std::abs(trajectory_[node].travelled - trajectory_[other].travelled) < kMinSpacing &&
-             trajectory_[node].segment == trajectory_[other].segment;
+      return trajectory_.path_length_between(node, other) < kMinSpacing;
     };
     if (std::any_of(chosen.begin(), chosen.end(), is_near)) continue;
     chosen.push_back(node);
@@ -157,14 +156,13 @@ std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_appearance() cons
 /// Replaces the candidate by the key frame of the same pass that is nearest to the starting pose:
 /// the nearer it is, the more the scans overlap.
 void CandidateGenerator::move_to_nearest_key_frame(Candidate& candidate) const {
-  const TrajectoryNode original = trajectory_[candidate.node];
-  const Pose T_odom_newest = original.T_odom_base * candidate.T_from_to;
+  const Pose T_odom_newest = trajectory_[candidate.node].T_odom_base * candidate.T_from_to;
   const auto distance = [&](NodeId node) {
     return (trajectory_[node].T_odom_base.translation - T_odom_newest.translation).norm();
   };
   const auto is_on_same_pass = [&](NodeId node) {
-    return trajectory_[node].segment == original.segment && is_admissible(node) &&
-           std::abs(trajectory_[node].travelled - original.travelled) < kMaxShiftAlongPass;
+    return trajectory_.path_length_between(node, candidate.node) < kMaxShiftAlongPass &&
+           is_admissible(node);
   };
   NodeId best = candidate.node;
   for (NodeId node = candidate.node; node-- > 0 && is_on_same_pass(node);) {

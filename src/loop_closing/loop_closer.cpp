@@ -2,7 +2,6 @@
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lidar_mapping/common/text.hpp"
 
@@ -89,8 +88,7 @@ std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   std::vector<Candidate> result;
   for (const Candidate& candidate : generator_.candidates()) {
     const auto is_near = [&](const Candidate& other) {
-      return std::abs(trajectory()[candidate.node].travelled - trajectory()[other.node].travelled) <
-             kMinCandidateSpacing;
+      return trajectory().path_length_between(candidate.node, other.node) < kMinCandidateSpacing;
     };
     if (std::any_of(result.begin(), result.end(), is_near)) continue;
     result.push_back(candidate);

@@ -2,7 +2,6 @@
 #include "segment_connector.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lidar_mapping::loop_closing {
@@ -31,11 +30,6 @@ Pose odometry_between(const Trajectory& trajectory, Trajectory::NodeId a, Trajec
   return trajectory[a].T_odom_base.inverse() * trajectory[b].T_odom_base;
 }
 
-double path_length_between(const Trajectory& trajectory, Trajectory::NodeId a,
-                           Trajectory::NodeId b) {
-  return std::abs(trajectory[a].travelled - trajectory[b].travelled);
-}
-
 /// True if odometry between two matches agrees with both.
 bool are_consistent(const Loop& a, const Loop& b, const Trajectory& trajectory) {
   const Ends ends_a = ends_of(a, trajectory);
@@ -45,8 +39,8 @@ bool are_consistent(const Loop& a, const Loop& b, const Trajectory& trajectory) 
   const Pose predicted = odometry_between(trajectory, ends_b.from, ends_a.from) * a.T_from_to *
                          odometry_between(trajectory, ends_a.to, ends_b.to);
   const Vector6d error = difference(predicted, b.T_from_to);
-  const double path_length = path_length_between(trajectory, ends_a.from, ends_b.from) +
-                             path_length_between(trajectory, ends_a.to, ends_b.to);
+  const double path_length = trajectory.path_length_between(ends_a.from, ends_b.from) +
+                             trajectory.path_length_between(ends_a.to, ends_b.to);
   return error.head<3>().norm() < kTranslationTolerance + kDriftTolerance * path_length &&
          error.tail<3>().norm() < kRotationTolerance;
 }
@@ -61,8 +55,8 @@ double max_distance_apart(const Ends& ends, const Trajectory& trajectory) {
   while (trajectory[first - 1].segment == trajectory[ends.to].segment) --first;
   const double gap = to_seconds(trajectory[first].stamp - trajectory[last].stamp);
   if (gap < 0.0) return std::numeric_limits<double>::infinity();
-  return path_length_between(trajectory, ends.from, last) + kMaxSpeed * gap +
-         path_length_between(trajectory, first, ends.to);
+  return trajectory.path_length_between(ends.from, last) + kMaxSpeed * gap +
+         trajectory.path_length_between(first, ends.to);
 }
 
 }  // namespace
@@ -75,7 +69,7 @@ std::vector<Loop> SegmentConnector::add(const Loop& loop, const Trajectory& traj
     if (!are_consistent(match.loop, loop, trajectory)) continue;
     consistent.push_back(&match);
     const double path_length =
-        path_length_between(trajectory, ends_of(match.loop, trajectory).to, ends.to);
+        trajectory.path_length_between(ends_of(match.loop, trajectory).to, ends.to);
     accepted = accepted || match.accepted || path_length >= min_path_length_;
   }
   std::vector<Loop> result;

@@ -60,20 +60,16 @@ Points SubmapBuilder::newest_scan(KeyFrameIndex index) {
 Points SubmapBuilder::merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
                                     const Points& own_points, std::size_t before, std::size_t after,
                                     double leaf) {
-  std::vector<std::pair<PointsPtr, Eigen::Isometry3f>> others;
+  voxels_.reset(leaf);
+  for (const auto& p : own_points) voxels_.add(p);
   const Pose T_middle_odom = trajectory[middle].T_odom_base.inverse();
   const std::size_t first = middle - std::min(before, middle);
   const std::size_t last = std::min(middle + after, trajectory.size() - 1);
   for (std::size_t id = first; id <= last; ++id) {
-    const TrajectoryNode& node = trajectory[id];
-    if (id == middle || node.segment != trajectory[middle].segment) continue;
-    if (std::abs(node.travelled - trajectory[middle].travelled) > kMaxPathLength) continue;
-    const PointsPtr points = map_points(node.index);
-    if (points) others.emplace_back(points, isometry(T_middle_odom * node.T_odom_base));
-  }
-  voxels_.reset(leaf);
-  for (const auto& p : own_points) voxels_.add(p);
-  for (const auto& [points, T_middle_other] : others) {
+    if (id == middle || trajectory.path_length_between(id, middle) > kMaxPathLength) continue;
+    const PointsPtr points = map_points(trajectory[id].index);
+    if (!points) continue;
+    const Eigen::Isometry3f T_middle_other = isometry(T_middle_odom * trajectory[id].T_odom_base);
     for (const auto& p : *points) voxels_.add(T_middle_other * p);
   }
   return voxels_.points();

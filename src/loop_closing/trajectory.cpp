@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -117,6 +118,11 @@ std::optional<Trajectory::NodeId> Trajectory::find(KeyFrameIndex index) const {
       [](const TrajectoryNode& n, KeyFrameIndex wanted) { return n.index < wanted; });
   if (node == nodes_.end() || node->index != index) return std::nullopt;
   return static_cast<NodeId>(node - nodes_.begin());
+}
+
+double Trajectory::path_length_between(NodeId a, NodeId b) const {
+  if (nodes_[a].segment != nodes_[b].segment) return std::numeric_limits<double>::infinity();
+  return std::abs(nodes_[a].travelled - nodes_[b].travelled);
 }
 
 }  // namespace lidar_mapping::loop_closing

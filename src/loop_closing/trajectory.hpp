@@ -40,6 +40,8 @@ class Trajectory {
   std::size_t size() const { return nodes_.size(); }
   const TrajectoryNode& operator[](NodeId id) const { return nodes_[id]; }
   std::optional<NodeId> find(KeyFrameIndex index) const;
+  /// Distance travelled between two nodes, m; infinite between two segments.
+  double path_length_between(NodeId a, NodeId b) const;
 
  private:
   Pose predicted(NodeId id) const;

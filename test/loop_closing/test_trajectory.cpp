@@ -75,6 +75,8 @@ TEST(Trajectory, DoesNotPredictAcrossSegments) {
   next.segment = 1;
   trajectory.append(next);
   EXPECT_EQ(trajectory[2].travelled, trajectory[1].travelled);
+  EXPECT_EQ(trajectory.path_length_between(1, 0), 2.0);
+  EXPECT_EQ(trajectory.path_length_between(1, 2), std::numeric_limits<double>::infinity());
 }
 
 TEST(GraphDistance, IsTheShortestPathThroughLoops) {
