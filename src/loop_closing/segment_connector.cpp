@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "segment_connector.hpp"
 
-#include <algorithm>
 #include <limits>
 
 namespace lidar_mapping::loop_closing {
