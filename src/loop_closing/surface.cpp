@@ -42,23 +42,18 @@ Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
   return solver.eigenvectors().col(0);
 }
 
-/// Square cells around the origin. The outermost cells are not used.
-class GroundCells {
- public:
-  // Cells along an edge: those of the extent, by definition, and one more on each side for all
-  // points beyond.
-  static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
-  static constexpr int kCount = kWidth * kWidth;
+// Square cells along an edge around the origin: those of the extent, by definition, and one more on
+// each side, which is not used.
+constexpr int kGroundWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
 
-  /// Number of the cell; -1 outside of the grid.
-  static int of(const Eigen::Vector3f& p) {
-    constexpr double kMiddle = kWidth / 2;  // half of kWidth, added so that the cast rounds down
-    const double x = p.x() / kGroundCell + kMiddle;
-    const double y = p.y() / kGroundCell + kMiddle;
-    if (!(x >= 1.0 && y >= 1.0 && x < kWidth - 1 && y < kWidth - 1)) return -1;
-    return static_cast<int>(y) * kWidth + static_cast<int>(x);
-  }
-};
+/// Number of the cell; -1 outside of the grid.
+int ground_cell_of(const Eigen::Vector3f& p) {
+  constexpr double kMiddle = kGroundWidth / 2;  // half of it, added so that the cast rounds down
+  const double x = p.x() / kGroundCell + kMiddle;
+  const double y = p.y() / kGroundCell + kMiddle;
+  if (!(x >= 1.0 && y >= 1.0 && x < kGroundWidth - 1 && y < kGroundWidth - 1)) return -1;
+  return static_cast<int>(y) * kGroundWidth + static_cast<int>(x);
+}
 
 /// Replaces each value by the minimum of itself and of the values `step` before and after it.
 void spread_minimum(std::vector<float>& heights, int step) {
@@ -95,14 +90,14 @@ const Eigen::Vector3f& SurfaceCloud::normal(std::size_t index) const {
 
 std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points) {
   std::vector<int> cells(points.size());
-  std::vector<float> lowest(GroundCells::kCount, std::numeric_limits<float>::infinity());
+  std::vector<float> lowest(kGroundWidth * kGroundWidth, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    cells[i] = GroundCells::of(points[i]);
+    cells[i] = ground_cell_of(points[i]);
     if (cells[i] >= 0) lowest[cells[i]] = std::min(lowest[cells[i]], points[i].z());
   }
   // The minimum over blocks of 3 x 3 cells.
   spread_minimum(lowest, 1);
-  spread_minimum(lowest, GroundCells::kWidth);
+  spread_minimum(lowest, kGroundWidth);
   std::vector<bool> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     result[i] = cells[i] >= 0 && points[i].z() > lowest[cells[i]] + kClearance;
