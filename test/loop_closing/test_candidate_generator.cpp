@@ -224,6 +224,29 @@ TEST(Candidates, ComeFromGnssIfOdometryIsWrong) {
   EXPECT_TRUE(candidates_after_a_round(config).empty());
 }
 
+// The distance travelled stands still between two segments, which may be anywhere.
+TEST(Candidates, AtTheEndOfASegmentAndTheBeginOfTheNextAreBothMatched) {
+  NoClouds clouds;
+  LoopCloser closer({}, clouds);
+  const std::vector<Pose> poses = {
+      planar(-4.0, 0.0, 0.0), planar(-2.0, 0.0, 0.0), planar(0.0, 0.0, 0.0), planar(0.0, 2.0, 0.0),
+      planar(2.0, 2.0, 0.0),  planar(4.0, 2.0, 0.0),  planar(0.0, 1.0, 0.0)};
+  std::vector<LoopVerdict> verdicts;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    closer.add_gnss(position_at(i, poses[i]));
+    KeyFrame key = key_frame(i, poses[i]);
+    key.segment = static_cast<std::uint32_t>(i / 3);
+    if (i < 6) {
+      closer.restore(key);
+    } else {
+      verdicts = closer.process(key).verdicts;
+    }
+  }
+  ASSERT_EQ(verdicts.size(), 2U);
+  EXPECT_EQ(verdicts[0].from, 2U);
+  EXPECT_EQ(verdicts[1].from, 3U);
+}
+
 TEST(Candidates, AreMoreCertainByLoopsThatTheMapSatisfies) {
   LoopClosingConfig config;
   config.max_loop_distance = 30.0;
