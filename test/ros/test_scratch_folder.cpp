@@ -45,5 +45,15 @@ TEST(ScratchFolder, RemovesWhatAKilledProcessLeftAndNothingElse) {
   fs::remove(foreign);
 }
 
+TEST(ScratchFolder, IsEmptyAlsoIfAKilledProcessHadTheSameNumber) {
+  const fs::path left =
+      fs::temp_directory_path() / ("lidar_mapping-test_b-" + std::to_string(getpid()));
+  fs::create_directory(left);
+  std::ofstream(left / "file") << "x";
+  const ScratchFolder folder("test_b");
+  EXPECT_EQ(folder.path(), left);
+  EXPECT_TRUE(fs::is_empty(left));
+}
+
 }  // namespace
 }  // namespace lidar_mapping::ros_border

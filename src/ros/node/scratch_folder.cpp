@@ -33,25 +33,28 @@ std::optional<pid_t> owner_of(const fs::path& folder, const std::string& prefix)
   return pid;
 }
 
-bool is_running(pid_t pid) { return kill(pid, 0) == 0 || errno != ESRCH; }
+/// A killed process may have had the number of this one, as in a container that starts again.
+bool is_of_another(pid_t pid) { return pid != getpid() && (kill(pid, 0) == 0 || errno != ESRCH); }
 
 void remove_left_behind(const fs::path& parent, const std::string& prefix) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(parent, ignored)) {
     const auto owner = owner_of(entry.path(), prefix);
-    if (owner && !is_running(*owner)) fs::remove_all(entry.path(), ignored);
+    if (owner && !is_of_another(*owner)) fs::remove_all(entry.path(), ignored);
   }
 }
 
 }  // namespace
 
 ScratchFolder::ScratchFolder(const std::string& name) {
-  const fs::path parent = fs::temp_directory_path();
   const std::string prefix = prefix_for(name);
-  remove_left_behind(parent, prefix);
-  path_ = parent / (prefix + std::to_string(getpid()));
   std::error_code error;
-  fs::create_directories(path_, error);
+  const fs::path parent = fs::temp_directory_path(error);
+  path_ = parent / (prefix + std::to_string(getpid()));
+  if (!error) {
+    remove_left_behind(parent, prefix);
+    fs::create_directories(path_, error);
+  }
   if (error) {
     throw FileError("cannot make the folder " + path_.string() + ": " + error.message() +
                     "; set TMPDIR to a folder that can be written");
