@@ -8,7 +8,7 @@ namespace lidar_mapping::ros_border {
 
 /// Bytes in memory that is owned elsewhere.
 struct ByteRange {
-  const std::uint8_t* first = nullptr;  ///< null only if there are none
+  const std::uint8_t* first = nullptr;  ///< null only if there are no bytes
   std::size_t size = 0;                 ///< number of bytes
 };
 

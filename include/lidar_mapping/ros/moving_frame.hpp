@@ -10,7 +10,8 @@ namespace lidar_mapping::ros_border {
 
 /// Whether the vehicle moves by more than a metre in `frame` by the recording's /tf, as in frames
 /// of a world or of an odometry: clouds in such a frame are no longer those of a sensor. It is
-/// looked up at ten times of the recording; a frame that /tf_static fixes to the vehicle is none.
+/// looked up at ten times of the recording. In a frame that /tf_static fixes to the vehicle it does
+/// not move.
 bool vehicle_moves_in(const BagSet& bags, const std::string& base_frame, const std::string& frame);
 
 /// Adds the transforms of /tf_static or /tf (`topic`) that were recorded from `from` until `until`;

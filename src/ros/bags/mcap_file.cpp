@@ -104,7 +104,7 @@ class McapFile : public ChunkedRecording {
         if (types_.count(index.channel) == 0) return;
         for (const McapEntry& entry : index.entries) {
           if (entry.offset > std::numeric_limits<std::uint32_t>::max()) {
-            throw InputError("an offset is none");
+            throw InputError("an offset is too large");
           }
           entries.push_back(
               {entry.logged, static_cast<std::uint32_t>(entry.offset), index.channel});

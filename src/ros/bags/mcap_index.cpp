@@ -114,7 +114,8 @@ std::optional<McapIndex> index_of(ByteRange summary, std::uint64_t end) {
 std::optional<McapIndex> index_of_summary(const FileBytes& file) {
   const auto place = summary_place(file);
   if (!place) return std::nullopt;
-  if (place->begin < kMagic || place->begin > place->end) throw InputError("its place is none");
+  if (place->begin < kMagic || place->begin > place->end)
+    throw InputError("it lies outside of the file");
   const std::vector<std::uint8_t> bytes =
       file.read(place->begin, place->end + kFooter - place->begin);
   if (!has_right_crc(*place, bytes)) throw InputError("its checksum differs");

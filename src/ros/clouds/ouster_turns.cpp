@@ -61,9 +61,9 @@ bool begins_earlier(const OusterPoint& a, const OusterPoint& b) { return a.stamp
 }  // namespace
 
 Stamp OusterClock::to_ros(Stamp sensor) const {
-  // ns; as in ouster_packets.cpp, so that the sums below do not overflow.
+  // ns; as in ouster_packets.cpp, so that the sum below does not overflow.
   constexpr Stamp kLast = Stamp{1} << 62U;
-  if (sensor < 0 || sensor > kLast) throw InputError("a time of the sensor is none");
+  if (sensor < 0 || sensor > kLast) throw InputError("a time of the sensor is out of range");
   const double passed = static_cast<double>(sensor - begin);
   return sensor + offset + static_cast<Stamp>(std::llround(drift * passed));
 }

@@ -19,7 +19,7 @@ struct OusterClock {
   Stamp offset = 0;    ///< to be added to the sensor's time there, ns
   double drift = 0.0;  ///< change of the offset, s/s
 
-  /// Throws InputError for times that are none.
+  /// The time of ROS of a time of the sensor, ns. Throws InputError for one that is out of range.
   Stamp to_ros(Stamp sensor) const;
 };
 

@@ -33,7 +33,8 @@ std::optional<pid_t> owner_of(const fs::path& folder, const std::string& prefix)
   return pid;
 }
 
-/// A killed process may have had the number of this one, as in a container that starts again.
+/// Whether another process of this number runs. If it is that of this process, a killed one has had
+/// it before, as happens in a container that is started again.
 bool is_of_another(pid_t pid) { return pid != getpid() && (kill(pid, 0) == 0 || errno != ESRCH); }
 
 void remove_left_behind(const fs::path& parent, const std::string& prefix) {
