@@ -209,14 +209,17 @@ TEST_F(McapFiles, AnIndexThatPointsNowhereIsNamed) {
 }
 
 TEST_F(McapFiles, AnotherSerialisationIsNamed) {
-  { McapWriter(path()).add_bytes("/imu", "sensor_msgs/msg/Imu", ros::Time(100), {1, 2}, "json"); }
-  try {
-    BagStream({path()}, {"/imu"});
-    FAIL();
-  } catch (const FileError& error) {
-    EXPECT_NE(std::string(error.what()).find("topic /imu is serialised as 'json', not as cdr"),
-              std::string::npos)
-        << error.what();
+  const std::pair<std::string, std::string> kinds[] = {{"sensor_msgs/msg/Imu", "json"},
+                                                       {"sensor_msgs/Imu", "ros1"}};
+  for (const auto& [type, encoding] : kinds) {
+    { McapWriter(path()).add_bytes("/imu", type, ros::Time(100), {1, 2}, encoding); }
+    try {
+      BagStream({path()}, {"/imu"});
+      FAIL();
+    } catch (const FileError& error) {
+      const std::string wanted = "topic /imu is serialised as '" + encoding + "', not as cdr";
+      EXPECT_NE(std::string(error.what()).find(wanted), std::string::npos) << error.what();
+    }
   }
 }
 

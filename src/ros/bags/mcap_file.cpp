@@ -70,9 +70,11 @@ class McapFile : public ChunkedRecording {
       const auto schema = index.schemas.find(channel.schema);
       const std::string type = schema == index.schemas.end() ? "" : schema->second.name;
       const Ros2Type* known = ros2_type(type);
-      if (known != nullptr && channel.encoding != "cdr") {
-        file_.fail("topic " + channel.topic + " is serialised as '" + channel.encoding +
-                   "', not as cdr");
+      // Types of a converted bag of ROS 1 have its names.
+      if (channel.encoding == "ros1" || (known != nullptr && channel.encoding != "cdr")) {
+        throw FileError("cannot read the recording " + path_ + ": topic " + channel.topic +
+                        " is serialised as '" + channel.encoding +
+                        "', not as cdr; convert it to a bag, or to a recording of rosbag2");
       }
       const auto messages = index.messages.find(id);
       connections_[id] = ros2_connection(channel.topic, type);
