@@ -17,6 +17,7 @@
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "near.hpp"
+#include "recording/kitti_bag.hpp"
 #include "simulated_drive/drive_output.hpp"
 #include "temporary_folder.hpp"
 
@@ -75,6 +76,14 @@ TEST_F(DriveOutput, BagHasTheSameBytesForAnyNumberOfThreads) {
   const std::string other = (folder.path() / "other.bag").string();
   write_bag(short_drive(), other, {}, 3);
   EXPECT_TRUE(bytes_of(bag) == bytes_of(other));
+}
+
+TEST_F(DriveOutput, BagHasItsNameOnlyWhenItIsWhole) {
+  EXPECT_THROW(write_whole_bag(bag, [](rosbag::Bag&) { throw FileError("a damaged scan"); }),
+               FileError);
+  EXPECT_FALSE(std::filesystem::exists(bag));
+  const std::string nowhere = (folder.path() / "missing" / "drive.bag").string();
+  EXPECT_THROW(write_whole_bag(nowhere, [](rosbag::Bag&) {}), FileError);
 }
 
 TEST_F(DriveOutput, BagLeavesOutWhatIsNotWanted) {
