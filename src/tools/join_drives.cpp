@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include <CLI/CLI.hpp>
 
@@ -32,11 +33,10 @@ struct Options {
 Session opened(const fs::path& folder) { return Session::open(folder, Session::Access::kRead); }
 
 void check_names(const std::vector<std::string>& names) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto other =
-        std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
-    if (other == names.begin() + static_cast<std::ptrdiff_t>(i)) continue;
-    throw InputError("two drives have the name '" + names[i] +
+  std::set<std::string> known;
+  for (const std::string& name : names) {
+    if (known.insert(name).second) continue;
+    throw InputError("two drives have the name '" + name +
                      "'; give the folders of the sessions different names");
   }
 }

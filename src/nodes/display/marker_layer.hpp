@@ -44,22 +44,25 @@ class MarkerLayer {
  public:
   using Marker = visualization_msgs::Marker;
 
-  MarkerLayer(std::string name, int type, double size, const std_msgs::ColorRGBA& color,
-              std::string frame, double lift = kMarkerLift,
+  MarkerLayer(const std::string& name, int type, double size, const std_msgs::ColorRGBA& color,
+              const std::string& frame, double lift = kMarkerLift,
               std::size_t per_piece = kKeyFramesPerMarker)
-      : name_(std::move(name)),
-        type_(type),
-        size_(size),
-        color_(color),
-        frame_(std::move(frame)),
-        lift_(lift),
-        per_piece_(per_piece) {}
+      : per_piece_(per_piece) {
+    empty_.header.frame_id = frame;
+    empty_.ns = name;
+    empty_.type = type;
+    empty_.action = Marker::ADD;
+    empty_.pose.position.z = lift;
+    empty_.pose.orientation.w = 1.0;
+    empty_.scale.x = empty_.scale.y = empty_.scale.z = size;
+    empty_.color = color;
+  }
 
   Marker& piece_of(std::size_t number) {
     const auto id = static_cast<int>(number / per_piece_);
-    const auto [entry, is_new] = markers_.try_emplace(id);
-    if (is_new) fill(id, entry->second);
-    return entry->second;
+    Marker& marker = markers_.try_emplace(id, empty_).first->second;
+    marker.id = id;
+    return marker;
   }
   void move_to(std::vector<Marker>& all) {
     for (auto& [id, marker] : markers_) all.push_back(std::move(marker));
@@ -67,24 +70,7 @@ class MarkerLayer {
   }
 
  private:
-  void fill(int id, Marker& marker) const {
-    marker.header.frame_id = frame_;
-    marker.ns = name_;
-    marker.id = id;
-    marker.type = type_;
-    marker.action = Marker::ADD;
-    marker.pose.position.z = lift_;
-    marker.pose.orientation.w = 1.0;
-    marker.scale.x = marker.scale.y = marker.scale.z = size_;
-    marker.color = color_;
-  }
-
-  std::string name_;
-  int type_;
-  double size_;
-  std_msgs::ColorRGBA color_;
-  std::string frame_;
-  double lift_;
+  Marker empty_;  ///< what they have in common
   std::size_t per_piece_;
   std::map<int, Marker> markers_;
 };

@@ -29,15 +29,12 @@ constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
 /// `stored`, and over it the command line.
 MapConfig make_config(const MapOutput& output, const config::Source& stored) {
   std::vector<config::Source> sources = {stored};
-  if (output.resolution) {
-    sources.push_back({"--resolution", {config::Value::Map{{"resolution", {*output.resolution}}}}});
-  }
-  if (output.tile_size) {
-    sources.push_back({"--tile-size", {config::Value::Map{{"tile_size", {*output.tile_size}}}}});
-  }
-  if (output.grid_cell) {
-    sources.push_back({"--cell", {config::Value::Map{{"grid_cell", {*output.grid_cell}}}}});
-  }
+  const auto add = [&](const char* option, const char* name, const std::optional<double>& value) {
+    if (value) sources.push_back({option, {config::Value::Map{{name, {*value}}}}});
+  };
+  add("--resolution", "resolution", output.resolution);
+  add("--tile-size", "tile_size", output.tile_size);
+  add("--cell", "grid_cell", output.grid_cell);
   MapConfig config = config::load<MapConfig>(sources);
   config.threads = output.threads;
   return config;
