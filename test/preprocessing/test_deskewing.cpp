@@ -208,7 +208,7 @@ TEST(Deskewing, WithTheGyroAloneLeavesAUniformRotation) {
   EXPECT_LT(residual(compensated), 0.005);
 }
 
-// A gyro that is found wrong has bent the scan.
+// The front end undoes the correction where it finds the gyro wrong.
 TEST(Deskewing, TheGyrosCorrectionCanBeUndone) {
   Rig rig;
   rig.velocity = false;

@@ -178,7 +178,7 @@ TEST(GnssTrack, BeginsItsFrameAtTheNextFixesThatAgree) {
       << said;
 }
 
-/// Nobody knows then which ones are wrong; what was placed once stays.
+/// In the middle of a drive nobody knows which fixes are wrong; positions that were given stay.
 TEST(GnssTrack, NeverAcceptsImpossibleJumps) {
   simulation::DriveOptions options;
   const simulation::Drive drive(options);

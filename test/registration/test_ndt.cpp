@@ -108,8 +108,8 @@ PointCloud bent_corridor(unsigned seed, double radius) {
   return cloud;
 }
 
-// Where the points do not say how far the sensor went, the prior says it, and they say the rest: on
-// in a bend means turned as well.
+// Where the points do not say how far the sensor went, the prior does. The points say the rest: a
+// sensor that went farther in a bend has turned, too.
 TEST(NdtMatcher, FollowsThePriorAlongBlindDirectionsAndThePointsElsewhere) {
   constexpr double kRadius = 60.0;
   constexpr double kOn = 0.6;

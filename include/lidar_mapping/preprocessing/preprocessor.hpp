@@ -65,7 +65,7 @@ struct PreprocessingCounters {
   std::size_t points_not_finite = 0;        ///< left out
   std::size_t samples_refused = 0;          ///< not finite, duplicate or out of order
   std::size_t gnss_refused = 0;  ///< no fix, implausible position, or rejected by the gate
-  std::size_t resets = 0;        ///< time went back by more than the buffers hold
+  std::size_t resets = 0;        ///< time went back by more than 2 s, and all buffers were emptied
 };
 
 /// Synchronises scans with the samples of the other sensors. It waits until each sensor in use has
@@ -74,7 +74,7 @@ struct PreprocessingCounters {
 /// data. The class must be called from one thread.
 class Preprocessor {
  public:
-  /// Throws ConfigError for a configuration that contradicts itself.
+  /// The configuration is one that load() accepts. `lookup` is asked for the frames of all sensors.
   Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup);
   ~Preprocessor();
 
@@ -93,7 +93,8 @@ class Preprocessor {
   /// All waiting scans, complete or not: for the end of the data.
   std::vector<SyncedScan> flush();
 
-  /// Origin of the East-North-Up frame; empty until there was a good fix.
+  /// Origin of the East-North-Up frame. Unless it is configured, it is empty until two fixes agree
+  /// (without gnss_gating: until the first fix).
   std::optional<GeodeticDatum> datum() const;
   /// Counts of the data processed, dropped and refused so far.
   const PreprocessingCounters& counters() const;

@@ -86,8 +86,7 @@ class GnssTrack {
   std::deque<PendingFix> pending_fixes_;  ///< in the order of their stamps
   Stamp last_checked_ = 0;
   std::size_t accepted_count_ = 0;  ///< number of accepted fixes, at most two
-  std::optional<PendingFix>
-      last_rejected_;  ///< fix that was rejected last, while only the first fix is accepted
+  std::optional<PendingFix> last_rejected_;
   GnssGate gate_;
   FixScatter scatter_;
   AntennaFit antenna_fit_;
