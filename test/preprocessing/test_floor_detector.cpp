@@ -88,33 +88,38 @@ TEST(FloorDetector, FindsTiltedFloors) {
   }
 }
 
-TEST(FloorDetector, CompensatesTheTiltOfTheSensor) {
+/// A sensor that is tilted by 20 degrees, above level ground.
+struct TiltedSensor {
   FloorDetectionConfig config = config_for(1.8);
-  config.tilt_deg = 20.0;
-  const Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
+  Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
   Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 8);
-  scan.cloud = transformed(scan.cloud, Pose{R_level_base.conjugate(), Eigen::Vector3d::Zero()});
-  EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan).found);
-  const Floor floor = FloorDetector(config).process(scan);
+
+  TiltedSensor() {
+    config.tilt_deg = 20.0;
+    scan.cloud = transformed(scan.cloud, Pose{R_level_base.conjugate(), Eigen::Vector3d::Zero()});
+  }
+};
+
+TEST(FloorDetector, CompensatesTheTiltOfTheSensor) {
+  const TiltedSensor tilted;
+  EXPECT_FALSE(FloorDetector(config_for(1.8)).process(tilted.scan).found);
+  const Floor floor = FloorDetector(tilted.config).process(tilted.scan);
   ASSERT_TRUE(floor.found);
-  EXPECT_LT(angle_between(R_level_base * floor.normal, Eigen::Vector3d::UnitZ()), 0.2 * kDegree);
+  EXPECT_LT(angle_between(tilted.R_level_base * floor.normal, Eigen::Vector3d::UnitZ()),
+            0.2 * kDegree);
 }
 
 TEST(FloorDetector, ReturnsThePointsItSearchedAndFound) {
-  FloorDetectionConfig config = config_for(1.8);
-  config.tilt_deg = 20.0;
-  const Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
-  Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 8);
-  scan.cloud = transformed(scan.cloud, Pose{R_level_base.conjugate(), Eigen::Vector3d::Zero()});
+  const TiltedSensor tilted;
   FloorPoints points;
-  const Floor floor = FloorDetector(config).process(scan, &points);
+  const Floor floor = FloorDetector(tilted.config).process(tilted.scan, &points);
   ASSERT_TRUE(floor.found);
   EXPECT_EQ(points.inliers.size(), static_cast<std::size_t>(floor.inliers));
   EXPECT_GE(points.filtered.size(), points.inliers.size());
   for (const Point& p : points.inliers.points) {  // in base_link, as the plane is
     EXPECT_NEAR(floor.normal.dot(p.position().cast<double>()) + floor.offset, 0.0, 0.15);
   }
-  FloorDetector(config).process({}, &points);
+  FloorDetector(tilted.config).process({}, &points);
   EXPECT_TRUE(points.filtered.empty());
   EXPECT_TRUE(points.inliers.empty());
 }

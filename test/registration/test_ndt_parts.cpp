@@ -54,14 +54,21 @@ struct Scene {
   PlaneArrays planes;
 };
 
+std::vector<NdtPart> parts_of(const Scene& scene, NdtParts& parts) {
+  return parts.of(scene.points, scene.rotated, scene.planes, kWideKernel,
+                  Eigen::Matrix3d::Identity());
+}
+std::vector<NdtPart> parts_of(const Scene& scene) {
+  NdtParts fresh;
+  return parts_of(scene, fresh);
+}
+
 /// What the points of each part add to the vertical translation.
 std::vector<double> information_of_parts(
     const std::vector<Matched>& matched,
     const std::optional<Eigen::Vector3f>& viewpoint = std::nullopt) {
-  const Scene scene(matched, viewpoint);
   std::vector<double> information;
-  for (const NdtPart& part : NdtParts().of(scene.points, scene.rotated, scene.planes, kWideKernel,
-                                           Eigen::Matrix3d::Identity())) {
+  for (const NdtPart& part : parts_of(Scene(matched, viewpoint))) {
     information.push_back(std::round(1e3 * part.hessian(2, 2)) / 1e3);
   }
   return information;
@@ -140,9 +147,7 @@ TEST(NdtParts, LieAroundTheSensorIfItsPlaceIsKnown) {
 }
 
 TEST(NdtParts, AreEmptyWithoutPoints) {
-  const Scene scene({});
-  const auto parts = NdtParts().of(scene.points, scene.rotated, scene.planes, kWideKernel,
-                                   Eigen::Matrix3d::Identity());
+  const auto parts = parts_of(Scene({}));
   ASSERT_EQ(parts.size(), kNdtParts);
   for (const NdtPart& part : parts) {
     EXPECT_TRUE(part.hessian.isZero(0.0));
@@ -157,10 +162,9 @@ TEST(NdtParts, DoNotDependOnTheScanBefore) {
   const Scene large(many);
   const Scene small({{at(10.0, 5.0), 1.0F}, {at(200.0, 9.0), 2.0F}});
   NdtParts reused;
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  reused.of(large.points, large.rotated, large.planes, kWideKernel, I);
-  const auto again = reused.of(small.points, small.rotated, small.planes, kWideKernel, I);
-  const auto fresh = NdtParts().of(small.points, small.rotated, small.planes, kWideKernel, I);
+  parts_of(large, reused);
+  const auto again = parts_of(small, reused);
+  const auto fresh = parts_of(small);
   for (std::size_t part = 0; part < kNdtParts; ++part) {
     EXPECT_EQ(again[part].hessian, fresh[part].hessian) << part;
     EXPECT_EQ(again[part].gradient, fresh[part].gradient) << part;

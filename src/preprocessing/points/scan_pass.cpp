@@ -102,10 +102,8 @@ KeepRule keep_rule(const PassLimits& limits, const Pose& T_base_sensor) {
 }  // namespace
 
 PassLimits::PassLimits(const PreprocessingConfig& config)
-    : box_min(static_cast<float>(config.vehicle_box[0]), static_cast<float>(config.vehicle_box[1]),
-              static_cast<float>(config.vehicle_box[2])),
-      box_max(static_cast<float>(config.vehicle_box[3]), static_cast<float>(config.vehicle_box[4]),
-              static_cast<float>(config.vehicle_box[5])) {
+    : box_min(Eigen::Map<const Eigen::Vector3d>(&config.vehicle_box[0]).cast<float>()),
+      box_max(Eigen::Map<const Eigen::Vector3d>(&config.vehicle_box[3]).cast<float>()) {
   const bool cut = config.use_distance_filter;
   const float near = cut ? static_cast<float>(config.distance_near_thresh) : 0.0F;
   near_squared = std::max(near, kMinRange) * std::max(near, kMinRange);
