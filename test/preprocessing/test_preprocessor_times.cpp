@@ -144,6 +144,10 @@ TEST(Preprocessor, ContinuesAfterALongPauseOfOneSensor) {
   ASSERT_EQ(scans.size(), 160U);
   EXPECT_FALSE(scans[80].gnss);
   EXPECT_TRUE(scans[141].gnss);  // 14.15 s
+  const std::string said = test::messages_of(stage);
+  EXPECT_NE(said.find("has it ended, or is it another clock? (gnss_time_offset)"),
+            std::string::npos)
+      << said;
   EXPECT_EQ(stage.counters().gnss_refused, 0U);
 }
 

@@ -103,10 +103,12 @@ void InputDiagnostics::missing_transform(const std::string& input, const std::st
 void InputDiagnostics::other_clock(const std::string& input, Stamp ahead, Stamp behind) {
   const Stamp most = std::max(ahead, behind);
   if (most <= kOtherClock) return;
-  warn("clock " + input, input +
-                             formatted(": its stamps are %.1f s %s those of the scans",
-                                       to_seconds(most), ahead > 0 ? "ahead of" : "behind") +
-                             "; is it another clock? (" + input + "_time_offset)");
+  const bool is_ahead = ahead > behind;
+  warn("clock " + input,
+       formatted("%s: its stamps are %.1f s %s those of the scans; %s it another clock? "
+                 "(%s_time_offset)",
+                 input.c_str(), to_seconds(most), is_ahead ? "ahead of" : "behind",
+                 is_ahead ? "is" : "has it ended, or is", input.c_str()));
 }
 
 }  // namespace lidar_mapping::preprocessing
