@@ -39,12 +39,6 @@ constexpr double kNearX = 2.4, kNearY = 1.93, kFar = 25.04;
 /// Counts of the range of an HDL-64E at which its focal distances end, by its user's manual.
 constexpr double kFocalEnd = 13100.0;
 
-/// A packet, and the time of its first firing in s after the scan's stamp.
-struct TimedPacket {
-  const unsigned char* data;
-  double time;
-};
-
 unsigned azimuth_of(const unsigned char* block) { return number_of_two_bytes(block + kAzimuth); }
 
 bool is_whole(const VelodynePacket& packet) {
@@ -74,29 +68,27 @@ std::vector<double> sensor_times(const std::vector<VelodynePacket>& packets) {
   return times;
 }
 
-/// Times by the sensor's clock, which no network delays; the packet that came soonest says how that
-/// clock stands to the stamps. Without such a clock the times are the stamps.
-std::vector<TimedPacket> with_times(const std::vector<VelodynePacket>& packets, Stamp stamp) {
+/// Times of the packets' first firings, s after the scan's stamp. They are those of the sensor's
+/// clock, which no network delays; the packet that came soonest says how that clock stands to the
+/// stamps. Without such a clock the times are the stamps.
+std::vector<double> times_of(const std::vector<VelodynePacket>& packets, Stamp stamp) {
   const std::vector<double> sensor = sensor_times(packets);
   double soonest = 0.0;
   for (std::size_t i = 0; i < sensor.size(); ++i) {
     const double offset = to_seconds(packets[i].stamp - stamp) - sensor[i];
     soonest = i == 0 ? offset : std::min(soonest, offset);
   }
-  std::vector<TimedPacket> timed;
+  std::vector<double> times;
   for (std::size_t i = 0; i < packets.size(); ++i) {
-    const double time = sensor.empty() ? to_seconds(packets[i].stamp - stamp) : sensor[i] + soonest;
-    timed.push_back({packets[i].data, time});
+    times.push_back(sensor.empty() ? to_seconds(packets[i].stamp - stamp) : sensor[i] + soonest);
   }
-  return timed;
+  return times;
 }
 
 /// s from packet to packet.
-double packet_duration(const std::vector<TimedPacket>& packets) {
+double packet_duration(const std::vector<double>& times) {
   std::vector<double> steps;
-  for (std::size_t i = 1; i < packets.size(); ++i) {
-    steps.push_back(packets[i].time - packets[i - 1].time);
-  }
+  for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
   const double step = steps.empty() ? 0.0 : median(steps);
   return step > 0.0 ? step : kHdl64Packet;
 }
@@ -193,15 +185,16 @@ class PointCollector {
     }
   }
 
-  /// `duration`: s to the next packet, for models whose firing times are not known.
-  void add(const TimedPacket& packet, double duration) {
-    const std::vector<Group> groups = groups_of(packet.data);
+  /// `begin`: of the packet, s after the scan's stamp. `duration`: s to the next packet, for models
+  /// whose firing times are not known.
+  void add(const unsigned char* packet, double begin, double duration) {
+    const std::vector<Group> groups = groups_of(packet);
     const double known = static_cast<double>(model_.sequences) * model_.sequence;
     const double step = known > 0.0 ? known : duration / static_cast<double>(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
-      const double time = packet.time + static_cast<double>(g) * step;
+      const double time = begin + static_cast<double>(g) * step;
       for (std::size_t block = groups[g].begin; block < groups[g].end; ++block) {
-        add_block(packet.data, groups[g], block, time, step);
+        add_block(packet, groups[g], block, time, step);
       }
     }
   }
@@ -282,10 +275,10 @@ PacketScan VelodyneDecoder::decode(const std::vector<VelodynePacket>& packets, S
   scan.cloud = std::move(buffer);
   scan.cloud.points.clear();
   scan.cloud.times.clear();
-  const std::vector<TimedPacket> timed = with_times(whole, stamp);
-  const double duration = packet_duration(timed);
+  const std::vector<double> times = times_of(whole, stamp);
+  const double duration = packet_duration(times);
   PointCollector points(model, fitting(calibration_, model), scan.cloud);
-  for (const TimedPacket& packet : timed) points.add(packet, duration);
+  for (std::size_t i = 0; i < whole.size(); ++i) points.add(whole[i].data, times[i], duration);
   scan.span = time_span(scan.cloud);
   return scan;
 }

@@ -15,9 +15,10 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Keeps the points for which `keep(index)` is true, in their order.
+/// Keeps the points for which `keep(index)` is true, in their order. Points that it has not been
+/// asked about are still in their places.
 template <typename Keep>
-PointCloud selected(PointCloud cloud, const Keep& keep) {
+void keep_if(PointCloud& cloud, const Keep& keep) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!keep(i)) continue;
@@ -27,18 +28,16 @@ PointCloud selected(PointCloud cloud, const Keep& keep) {
   }
   cloud.points.resize(kept);
   if (cloud.has_times()) cloud.times.resize(kept);
-  return cloud;
 }
 
 PointCloud first_of_each_voxel(PointCloud cloud, double resolution) {
   const auto inverse = static_cast<float>(1.0 / resolution);
   std::unordered_set<VoxelKey, VoxelKeyHash> seen;
   seen.reserve(cloud.size());
-  std::vector<bool> is_first(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    is_first[i] = seen.insert(voxel_key(voxel_index(inverse * cloud.points[i].position()))).second;
-  }
-  return selected(std::move(cloud), [&](std::size_t i) { return is_first[i]; });
+  keep_if(cloud, [&](std::size_t i) {
+    return seen.insert(voxel_key(voxel_index(inverse * cloud.points[i].position()))).second;
+  });
+  return cloud;
 }
 
 pcl::PointCloud<pcl::PointXYZ>::Ptr to_pcl(const PointCloud& cloud) {
@@ -55,7 +54,8 @@ PointCloud filtered_by(Filter& filter, PointCloud cloud) {
   filter.filter(indices);
   std::vector<bool> keep(cloud.size(), false);
   for (const int index : indices) keep[static_cast<std::size_t>(index)] = true;
-  return selected(std::move(cloud), [&](std::size_t i) { return keep[i]; });
+  keep_if(cloud, [&](std::size_t i) { return keep[i]; });
+  return cloud;
 }
 
 }  // namespace
