@@ -316,6 +316,17 @@ TEST(VelodyneDecoder, NamesWhatCannotBeDecoded) {
   EXPECT_NE(refusal_of(vls128).find("VLS-128"), std::string::npos);
 }
 
+/// The flags of blocks that only other models have.
+TEST(VelodyneDecoder, TakesTheModelOfMostPackets) {
+  for (const unsigned flag : {0xCCFFU, 0xDDFFU}) {
+    Packets packets = packets_of(test::kIsVlp16, 40, 1327);
+    test::put_number(packets[1], 300, flag, 2);
+    const PacketScan scan = VelodyneDecoder().decode(packets.get(), kStamp);
+    EXPECT_EQ(scan.contents, "3 packets of a Velodyne VLP-16") << flag;
+    EXPECT_GE(scan.cloud.size(), 2U * 12U * 32U) << flag;
+  }
+}
+
 TEST(VelodyneDecoder, LeavesOutDamagedPackets) {
   Packets packets = packets_of(test::kIsVlp16, 40, 1327);
   test::put_number(packets[1], 300, 0x1234, 2);  // the flag of a block

@@ -66,9 +66,12 @@ bool has_flag(const VelodynePacket& packet, unsigned flag) {
   return false;
 }
 
-bool any_has_flag(const std::vector<VelodynePacket>& packets, unsigned flag) {
-  return std::any_of(packets.begin(), packets.end(),
-                     [&](const VelodynePacket& packet) { return has_flag(packet, flag); });
+/// Whether most packets have a block with this flag, as one may be damaged.
+bool most_have_flag(const std::vector<VelodynePacket>& packets, unsigned flag) {
+  const auto count =
+      std::count_if(packets.begin(), packets.end(),
+                    [&](const VelodynePacket& packet) { return has_flag(packet, flag); });
+  return 2 * static_cast<std::size_t>(count) > packets.size();
 }
 
 /// The product number of most packets, as one may be damaged.
@@ -89,13 +92,14 @@ const VelodyneModel* model_of(const VelodyneCalibration& calibration) {
 const VelodyneModel& velodyne_model(const std::vector<VelodynePacket>& packets,
                                     const std::optional<VelodyneCalibration>& calibration) {
   const unsigned product = product_of(packets);
-  if (any_has_flag(packets, kThirdBlock)) {
+  if (most_have_flag(packets, kThirdBlock)) {
     throw InputError(
         "packets of a Velodyne VLS-128 are not read; convert them with "
         "velodyne_pointcloud's transform node");
   }
-  if (any_has_flag(packets, kLowerBlock)) return kHdl64;
-  if (!any_has_flag(packets, kUpperBlock)) {
+  if (most_have_flag(packets, kLowerBlock)) return kHdl64;
+  if (std::none_of(packets.begin(), packets.end(),
+                   [](const VelodynePacket& packet) { return has_flag(packet, kUpperBlock); })) {
     throw InputError("none of " + std::to_string(packets.size()) +
                      " packets holds blocks of a Velodyne; is it another sensor's topic?");
   }
