@@ -29,6 +29,12 @@ inline simulation::Drive make_drive(const std::string& name, double duration,
   return simulation::Drive(drive_options(name, duration, seed, lidar));
 }
 
+/// A drive with this fault of its LiDAR or IMU; with none if it is empty.
+inline simulation::Drive faulty_drive(simulation::DriveOptions options, const std::string& fault) {
+  if (!fault.empty()) simulation::add_fault(options, fault);
+  return simulation::Drive(options);
+}
+
 /// The true motion of the vehicle from one scan to another.
 inline Pose true_motion(const simulation::Drive& drive, std::size_t from, std::size_t to) {
   const auto pose_at = [&](std::size_t i) { return drive.trajectory().pose(drive.scan_stamp(i)); };

@@ -24,8 +24,7 @@ simulation::Drive carried_drive(const std::string& name, double duration,
                                 const std::string& fault = "") {
   simulation::DriveOptions options = drive_options(name, duration, 3);
   options.imu = "consumer";
-  if (!fault.empty()) simulation::add_fault(options, fault);
-  return simulation::Drive(options);
+  return faulty_drive(options, fault);
 }
 
 /// Scans and rates of a drive, as preprocessing gives them.

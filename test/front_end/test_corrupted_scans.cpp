@@ -16,11 +16,9 @@ constexpr std::size_t kAtSpeed = 90;
 constexpr double kWrong = 0.3;  // m
 constexpr double kEnd = 14.5;   // s: 50 scans after the first one
 
-simulation::Drive spoilt_drive(const std::string& fault, const std::string& lidar,
-                               double duration) {
-  simulation::DriveOptions options = drive_options("town", duration, 51, lidar);
-  if (!fault.empty()) options.scan_faults = {simulation::parse_scan_fault(fault)};
-  return simulation::Drive(options);
+simulation::Drive corrupted_drive(const std::string& fault, const std::string& lidar,
+                                  double duration) {
+  return faulty_drive(drive_options("town", duration, 51, lidar), fault);
 }
 
 struct Outcome {
@@ -52,13 +50,13 @@ Outcome ride_through(const simulation::Drive& drive, std::size_t first = kAtSpee
 struct Case {
   const char* lidar;
   const char* fault;
-  double drift;  ///< share of the way
+  double drift;  ///< fraction of the distance travelled
 };
 
 class Outliers : public testing::TestWithParam<Case> {};
 
 TEST_P(Outliers, IncreaseTheErrorByALimitedAmount) {
-  const Outcome outcome = ride_through(spoilt_drive(GetParam().fault, GetParam().lidar, kEnd));
+  const Outcome outcome = ride_through(corrupted_drive(GetParam().fault, GetParam().lidar, kEnd));
   EXPECT_EQ(outcome.silent, 0);
   EXPECT_EQ(outcome.lost, 0);
   EXPECT_LT(outcome.error, GetParam().drift * outcome.way);
@@ -71,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Drives, Outliers,
 // So few points fill the voxels only if more of the scans enter the map, and all of their points.
 TEST(FewPoints, AreEnoughToFollowAStreet) {
   for (const char* lidar : {"hdl64", "vlp16"}) {
-    const Outcome outcome = ride_through(spoilt_drive("sparse=500", lidar, kEnd), 0);
+    const Outcome outcome = ride_through(corrupted_drive("sparse=500", lidar, kEnd), 0);
     EXPECT_EQ(outcome.silent, 0) << lidar;
     EXPECT_EQ(outcome.lost, 0) << lidar;
     EXPECT_LT(outcome.error, 0.005 * outcome.way) << lidar;
@@ -81,7 +79,7 @@ TEST(FewPoints, AreEnoughToFollowAStreet) {
 // The pose of a scan that comes again would be that of the last one, 1 m behind per scan.
 TEST(RepeatedScan, IsReportedAsLostAndTheDriveContinues) {
   for (const auto& [fault, at_least] : {std::pair("frozen=1,2", 2), std::pair("frozen=4,2", 8)}) {
-    const Outcome outcome = ride_through(spoilt_drive(fault, "vlp16", kEnd));
+    const Outcome outcome = ride_through(corrupted_drive(fault, "vlp16", kEnd));
     EXPECT_GE(outcome.repeated, at_least) << fault;
     EXPECT_EQ(outcome.lost, outcome.repeated) << fault;
     EXPECT_EQ(outcome.silent, 0) << fault;
@@ -91,7 +89,7 @@ TEST(RepeatedScan, IsReportedAsLostAndTheDriveContinues) {
 
 // The vehicle stands still here.
 TEST(RepeatedScan, IsNotReportedAsTrackingByOtherMethods) {
-  const simulation::Drive drive = spoilt_drive("frozen=2,1", "vlp16", 4.0);
+  const simulation::Drive drive = corrupted_drive("frozen=2,1", "vlp16", 4.0);
   FrontEndConfig config;
   config.registration.method = registration::Method::kVgicp;
   FrontEnd front_end(config);
@@ -105,7 +103,7 @@ TEST(RepeatedScan, IsNotReportedAsTrackingByOtherMethods) {
 
 // Over the time between two stamps the vehicle moves by 14 m/s times their error, 0.3 m.
 TEST(StampJitter, HasLittleInfluenceOnPoses) {
-  const simulation::Drive drive = spoilt_drive("jitter=0.02", "vlp16", kEnd);
+  const simulation::Drive drive = corrupted_drive("jitter=0.02", "vlp16", kEnd);
   EvaluatedDrive ride(drive);
   constexpr std::size_t kFirst = 70;
   constexpr std::size_t kNoticed = kFirst + 25;

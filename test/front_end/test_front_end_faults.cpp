@@ -38,8 +38,8 @@ double error(const simulation::Drive& drive, std::size_t from, const Pose& T_odo
       .translation.norm();
 }
 
-// A sweep of another place is told within three sweeps and never becomes a key frame, and the
-// drive goes on when the view returns.
+// Sweeps of another place are reported from the third one on and never become key frames, and the
+// drive continues when the view returns.
 TEST(FrontEndFaults, SweepsOfAnotherPlaceAreReportedAndNotInserted) {
   const simulation::Drive drive = drive_of("town");
   const simulation::Drive elsewhere = drive_of("car_park");

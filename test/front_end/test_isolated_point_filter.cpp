@@ -14,14 +14,12 @@ namespace {
 
 constexpr std::size_t kScan = 60;
 
-simulation::Drive spoilt_drive(const std::string& name, const std::string& lidar,
-                               const std::string& fault) {
-  simulation::DriveOptions options = drive_options(name, 8.0, 3, lidar);
-  if (!fault.empty()) options.scan_faults = {simulation::parse_scan_fault(fault)};
-  return simulation::Drive(options);
+simulation::Drive corrupted_drive(const std::string& name, const std::string& lidar,
+                                  const std::string& fault) {
+  return faulty_drive(drive_options(name, 8.0, 3, lidar), fault);
 }
 
-/// Shares of the made-up and of the true points that are left out.
+/// Fractions of the made-up and of the true points that are left out.
 struct LeftOut {
   double made_up = 0.0;
   double true_ones = 0.0;
@@ -54,8 +52,8 @@ struct Case {
 class ArtificialPoints : public testing::TestWithParam<Case> {};
 
 TEST_P(ArtificialPoints, AreRemovedAndRealOnesAreKept) {
-  const simulation::Drive drive = spoilt_drive("town", GetParam().lidar, GetParam().fault);
-  const simulation::Drive clean = spoilt_drive("town", GetParam().lidar, "");
+  const simulation::Drive drive = corrupted_drive("town", GetParam().lidar, GetParam().fault);
+  const simulation::Drive clean = corrupted_drive("town", GetParam().lidar, "");
   const LeftOut found = left_out(drive, clean);
   EXPECT_GT(found.made_up, GetParam().made_up);
   EXPECT_LT(found.true_ones, GetParam().true_ones);
@@ -71,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Scans, ArtificialPoints,
 TEST(IsolatedPointFilter, DoesNotChangeCleanScans) {
   for (const char* name : {"town", "walk", "open_road", "car_park"}) {
     for (const char* lidar : {"vlp16", "hdl64"}) {
-      const simulation::Drive drive = spoilt_drive(name, lidar, "");
+      const simulation::Drive drive = corrupted_drive(name, lidar, "");
       IsolatedPointFilter filter;
       for (const std::size_t i : {0, 60}) {
         const Scan scan = lidar_scan(drive, i);
@@ -84,7 +82,7 @@ TEST(IsolatedPointFilter, DoesNotChangeCleanScans) {
 
 /// Points that were thinned out before have no close neighbours and lie on surfaces all the same.
 TEST(IsolatedPointFilter, DoesNotChangeThinnedOutScans) {
-  const simulation::Drive drive = spoilt_drive("town", "hdl64", "");
+  const simulation::Drive drive = corrupted_drive("town", "hdl64", "");
   for (const double edge : {0.1, 0.25, 0.5}) {
     IsolatedPointFilter filter;
     Scan scan = lidar_scan(drive, kScan);
@@ -92,14 +90,14 @@ TEST(IsolatedPointFilter, DoesNotChangeThinnedOutScans) {
     const std::size_t left = filter.without_isolated_points(scan).cloud.size();
     EXPECT_GT(static_cast<double>(left), 0.97 * static_cast<double>(scan.cloud.size())) << edge;
   }
-  const simulation::Drive sparse = spoilt_drive("town", "hdl64", "sparse=1000");
+  const simulation::Drive sparse = corrupted_drive("town", "hdl64", "sparse=1000");
   IsolatedPointFilter filter;
   const Scan scan = lidar_scan(sparse, kScan);
   EXPECT_GT(filter.without_isolated_points(scan).cloud.size(), 900U);
 }
 
 TEST(IsolatedPointFilter, KeepsTheTimesOfRemainingPoints) {
-  const simulation::Drive drive = spoilt_drive("town", "vlp16", "outliers=0.2");
+  const simulation::Drive drive = corrupted_drive("town", "vlp16", "outliers=0.2");
   IsolatedPointFilter filter;
   const Scan scan = lidar_scan(drive, kScan);
   const Scan& kept = filter.without_isolated_points(scan);

@@ -17,7 +17,7 @@ namespace {
 
 Pose turned(double angle) { return {exp_so3({0.0, 0.0, angle}), Eigen::Vector3d::Zero()}; }
 
-// The prediction goes on with the velocity for as long as the stamps say.
+// The prediction continues with the velocity for the time between the stamps.
 TEST(MotionFilter, PredictsWithConstantVelocityOverRealTime) {
   Vector6d twist;
   twist << 30.0, 0.0, 0.0, 0.0, 0.0, 0.3;
@@ -189,7 +189,7 @@ TEST(TwistPredictor, IgnoresAJumpOfThePose) {
 }
 
 // A prediction that lags behind pulls each pose back while the vehicle speeds up and ahead while it
-// brakes. Both go into the map and stay, and as the points say less at speed, streets grow.
+// brakes. Both remain in the map. Streets become longer, as the points constrain less at speed.
 TEST(MotionFilter, DoesNotLagBehindABrakingVehicle) {
   std::mt19937 engine(3);
   std::normal_distribution<double> noise(0.0, 0.002);

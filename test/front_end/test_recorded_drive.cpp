@@ -26,10 +26,10 @@ using Disturbance = std::function<PointCloud(const PointCloud&, Engine&)>;
 
 PointCloud as_it_is(const PointCloud& cloud, Engine&) { return cloud; }
 
-/// Drops of rain or flakes of snow end a share of the rays somewhere on their way.
-Disturbance rain(double share) {
-  return [share](PointCloud cloud, Engine& engine) {
-    std::bernoulli_distribution hit(share);
+/// Drops of rain or flakes of snow stop a fraction of the rays before they hit a surface.
+Disturbance rain(double fraction) {
+  return [fraction](PointCloud cloud, Engine& engine) {
+    std::bernoulli_distribution hit(fraction);
     std::uniform_real_distribution<float> part(0.05F, 1.0F);
     for (Point& point : cloud.points) {
       if (!hit(engine)) continue;

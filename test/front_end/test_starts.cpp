@@ -161,7 +161,8 @@ TEST(OpenField, ObservesAnAccelerationOnARoad) {
 }
 
 // Sixteen rings on rough ground, seen from one place, fit wherever the sensor goes: that it moves
-// is noticed late or never. It must be said, and must not discredit a velocity that knows better.
+// is noticed late or never. It must be reported, and the weight of a measured velocity must not
+// fall.
 TEST(OpenField, ReportsThatTheStartMayBeMissed) {
   constexpr double kStep = 0.1;  // m
   for (const std::uint64_t seed : {42, 46}) {
@@ -171,8 +172,8 @@ TEST(OpenField, ReportsThatTheStartMayBeMissed) {
     int silent = 0;
     for (std::size_t i = 0; i < drive.scan_count(); ++i) {
       const double before = i > 0 ? alone.error() : 0.0;
-      const bool said = alone.process(i).status.state != TrackingState::kTracking;
-      if (!said && alone.error() > before + kStep) ++silent;
+      const bool is_reported = alone.process(i).status.state != TrackingState::kTracking;
+      if (!is_reported && alone.error() > before + kStep) ++silent;
       with_velocity.process(i, wheel_speed(drive, drive.scan_stamp(i), 1.01, 0.05, engine));
     }
     EXPECT_LE(silent, 5) << seed;

@@ -150,7 +150,7 @@ TEST(DeviationFilter, PredictsWithWhiteNoiseAboutAMeanAcceleration) {
   EXPECT_NEAR(deviations.covariance_of({0.0, 1.0, 0.0})(0, 0), 0.3 / 24.0, 1e-12);
 }
 
-// What is seen at the end says something of the middle, but nothing of a begin that is known.
+// A measurement at the end improves the middle, but not a begin that is known exactly.
 TEST(DeviationFilter, ImprovesEarlierDeviations) {
   DeviationFilter filter = one_second();
   filter.predict(0.5);
@@ -223,7 +223,7 @@ TEST(SweepSmoother, LeavesAMeasuredRotation) {
   EXPECT_EQ(without_smoothed_twist(ones, false).bottomRows(6).norm(), 0.0);
 }
 
-/// Turns steadily for 15 sweeps while a gyro says this rate (rad/s).
+/// Turns steadily for 15 sweeps while a gyro measures this rate (rad/s).
 Drive turned_by_gyro(double rate, bool measured) {
   const Motion turning{[](double t) { return 0.5 * t; }, [](double t) { return t; }};
   Drive drive(turning);
@@ -242,7 +242,7 @@ TEST(SweepSmoother, SaysHowFarAGyroContradictsIt) {
 }
 
 /// Contradiction at a jump of the turn by 2 mrad between two sweeps, this number of sweeps after
-/// the first one, to a gyro that says nothing of it.
+/// the first one, to a gyro that does not measure it.
 double contradiction_at_jump(int sweeps) {
   const double jump = (sweeps + 0.5) * kSweep;
   Drive drive({[=](double t) { return t < jump ? 0.0 : 2e-3; }, [](double t) { return t; }});
@@ -265,7 +265,7 @@ TEST(SweepSmoother, SaysNothingOfAGyroThatDoesNotTurn) {
   EXPECT_FALSE(drive.contradiction_to(0.0));
 }
 
-// A rotation that jumps from sweep to sweep, but is said to be uniform in each.
+// The sensor sways, but the gyro measures no rotation.
 TEST(SweepSmoother, LeavesSweepsWithAWrongRotation) {
   Drive drive(kSwaying);
   int contradicted = 0;

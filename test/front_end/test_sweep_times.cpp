@@ -133,8 +133,7 @@ simulation::Drive drive_of(const Case& c) {
   const double duration = 0.1 * static_cast<double>(c.first) + 6.0;
   simulation::DriveOptions options = drive_options(c.drive, duration, 405, c.lidar);
   options.undistorted = c.undistorted;
-  if (*c.fault != 0) options.scan_faults = {simulation::parse_scan_fault(c.fault)};
-  return simulation::Drive(options);
+  return faulty_drive(options, c.fault);
 }
 
 class PointTimes : public testing::TestWithParam<Case> {};

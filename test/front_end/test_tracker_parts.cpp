@@ -188,8 +188,8 @@ TEST(LocalMapper, RefinesAMapInARoomOnceItIsFilled) {
   EXPECT_LT(room.state().map.fine().size(), voxels + voxels / 10) << "all were in it before";
 }
 
-/// The refined map of a room whose first scan was inserted with the one speed, and whose first
-/// speed was said to be the other one after that.
+/// The refined map of a room. Its first scan was inserted with the one speed, and the other one was
+/// found after that.
 PointCloud refined_map(double inserted_speed, double first_speed) {
   Insertions room(3.0, 20000, true);
   room.insert_at(0.0, inserted_speed);

@@ -16,7 +16,7 @@ constexpr double kStep = 0.1;  // s
 /// seen, the next 20 s not.
 struct Drives {
   double error = 0.0;   ///< root mean square of the way, m
-  double stated = 0.0;  ///< the same of what UnobservedTravel said, m
+  double stated = 0.0;  ///< the same of what UnobservedTravel reported, m
 };
 
 /// `noise` (m/s) is that of a measured speed; 0: none is measured.

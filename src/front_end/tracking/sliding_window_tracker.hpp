@@ -17,8 +17,8 @@ namespace lidar_mapping::front_end {
 /// Matches scans against a window of the last key frames with any registration method. When a new
 /// key frame enters the window, all key frames are joined and thinned out to one target. Scans are
 /// thinned out and aligned, starting from a prediction with constant velocity. This is the scheme
-/// of the articles (doc/registration.md). It is intended for comparing methods, because the target
-/// is built anew each time.
+/// of the baseline method (doc/registration.md). It is intended for comparing methods, because the
+/// target is built anew each time.
 class SlidingWindowTracker : public Tracker {
  public:
   explicit SlidingWindowTracker(const FrontEndConfig& config);
