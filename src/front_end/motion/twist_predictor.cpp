@@ -77,7 +77,6 @@ void TwistPredictor::update(const Vector6d& mean_twist, const Vector6d& sweep_tw
     learn_change_persistence(mean_twist, observed);
     learn_acceleration(mean_twist, seconds, observed);
   }
-  variance_ = mean_error_.cwiseMin(sweep_error_);
   mean_twist_ = mean_twist;
   sweep_twist_ = sweep_twist;
   seconds_ = seconds;

@@ -28,7 +28,7 @@ class TwistPredictor {
   Vector6d next(double seconds) const;
   Vector6d at_end_of_next(double seconds) const;
   /// Mean squared error per axis of the better predictor: linear (m/s)^2, angular (rad/s)^2.
-  const Eigen::Vector2d& variance() const { return variance_; }
+  Eigen::Vector2d variance() const { return mean_error_.cwiseMin(sweep_error_); }
   /// The fraction of the change of the twist, per axis, that continues in the next step: 1 for a
   /// steady acceleration, 0 for noise and a gait.
   Vector6d change_persistence() const;
@@ -52,7 +52,6 @@ class TwistPredictor {
   Vector6d acceleration_ = Vector6d::Zero();
   Eigen::Vector2d mean_error_ = Eigen::Vector2d::Zero();  ///< squared, linear and angular
   Eigen::Vector2d sweep_error_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d variance_ = Eigen::Vector2d::Zero();
   Vector6d continued_change_ = Vector6d::Zero();  ///< of the twist, times the change before
   Vector6d squared_change_ = Vector6d::Zero();
   Eigen::Vector3d measured_acceleration_ = Eigen::Vector3d::Zero();   ///< m/s^2, the last one

@@ -63,7 +63,7 @@ class NdtTracker : public Tracker {
   void update_map(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions);
   void insert(const Scan& scan);
 
-  /// In place of the steps above, until a map has begun.
+  /// In place of the steps above, until a map has begun. The origin is the pose of its first scan.
   void start(const Scan& scan, FrontEndStatus& status);
   /// In place of match and judgement, if the sensor coasted out of its map, so that nothing is left
   /// of it.
@@ -91,7 +91,6 @@ class NdtTracker : public Tracker {
   UnobservedTravel unobserved_travel_;
   MapInitialization initialization_;
   FalseStandstillRecovery false_standstill_;
-  Pose start_;              ///< where the map starts: pose at the stamp of its first scan
   bool has_begun_ = false;  ///< a map was started since the last restart
   StepTimer timer_;
 };

@@ -14,7 +14,7 @@ constexpr std::size_t kMinPoints = 50;
 }  // namespace
 
 void NdtTracker::start(const Scan& scan, FrontEndStatus& status) {
-  start_map(scan, start_);
+  start_map(scan, Pose::Identity());
   status.converged = has_enough_points();
   status.state = has_enough_points() ? TrackingState::kTracking : TrackingState::kLost;
 }
@@ -23,7 +23,6 @@ bool NdtTracker::has_enough_points() const { return sweep_.points().size() >= kM
 
 /// The points are stored until the motion during the scan is known.
 void NdtTracker::start_map(const Scan& scan, const Pose& T_odom_base) {
-  start_ = T_odom_base;
   start_motion(T_odom_base, sweep_.reference(), state_);
   mapper_.start_map(scan, T_odom_base, sweep_, state_.map);
   if (!has_enough_points()) return;
@@ -81,7 +80,6 @@ void NdtTracker::recover(const Step& step, TrackedScan& result) {
 
 void NdtTracker::restart() {
   discard_map();
-  start_ = Pose::Identity();
   has_begun_ = false;
 }
 
