@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/front_end/deskew.hpp"
 
-#include <utility>
-
 #include "lidar_mapping/common/parallel.hpp"
 
 namespace lidar_mapping::front_end {
@@ -42,10 +40,6 @@ class Deskewer {
 };
 
 }  // namespace
-
-PointCloud deskewed(PointCloud cloud, const Vector6d& twist, int threads) {
-  return deskewed(std::move(cloud), twist, Vector6d::Zero(), threads);
-}
 
 PointCloud deskewed(PointCloud cloud, const Vector6d& twist, const Vector6d& acceleration,
                     int threads) {
