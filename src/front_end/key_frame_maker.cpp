@@ -14,11 +14,6 @@ namespace {
 /// multiple of the usual distance. Chosen: a wider gap leaves a hole in the map.
 constexpr double kDegradedKeyFrameFactor = 3.0;
 
-KeyFrameRule rule_of(const FrontEndConfig& config, double factor) {
-  return {factor * config.key_frame_distance, factor * config.key_frame_angle,
-          factor * config.key_frame_interval};
-}
-
 PointCloud selected(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
   PointCloud result;
   result.points.reserve(indices.size());
@@ -34,8 +29,8 @@ PointCloud selected(const PointCloud& cloud, const std::vector<std::uint32_t>& i
 KeyFrameMaker::KeyFrameMaker(const FrontEndConfig& config)
     : resolution_(config.key_frame_cloud_resolution),
       threads_(config.threads),
-      rule_(rule_of(config, 1.0)),
-      degraded_rule_(rule_of(config, kDegradedKeyFrameFactor)) {}
+      rule_{config.key_frame_distance, config.key_frame_angle, config.key_frame_interval},
+      degraded_rule_(rule_.scaled(kDegradedKeyFrameFactor)) {}
 
 void KeyFrameMaker::add_step(const TrackedScan& from, const TrackedScan& to) {
   inflation_.add_step(from.T_odom_base.inverse() * to.T_odom_base, to.status);

@@ -12,6 +12,10 @@ struct KeyFrameRule {
   double angle = 0.5;     ///< rad, of the whole rotation
   double interval = 0.0;  ///< s; 0 switches it off
 
+  /// The rule with all limits multiplied by this factor.
+  KeyFrameRule scaled(double factor) const {
+    return {factor * distance, factor * angle, factor * interval};
+  }
   /// True if the motion from the last key frame to the present pose reaches one of the limits.
   bool reached(const Pose& T_last_now, Stamp elapsed) const;
 };

@@ -73,10 +73,6 @@ MotionState matched(const SampledPoints& points, const MotionState& motion,
   return match.converged ? match.state : motion;
 }
 
-KeyFrameRule insertion_rule(double scan_density) {
-  return {scan_density * kInsertionRule.distance, scan_density * kInsertionRule.angle, 0.0};
-}
-
 }  // namespace
 
 void LocalMapper::start_map(const Scan& scan, const Pose& T_odom_base, const SweepSampler& sweep,
@@ -97,7 +93,7 @@ void LocalMapper::set_first_motion(const MotionState& motion) {
 
 bool LocalMapper::is_due(const TrackerState& state) const {
   return state.coverage.inserted_scans < kInitialScans ||
-         insertion_rule(state.map.scan_density())
+         kInsertionRule.scaled(state.map.scan_density())
              .reached(last_insertion_.inverse() * state.filter.state().T_map_sensor, 0);
 }
 
