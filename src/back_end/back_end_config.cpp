@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "lidar_mapping/common/text.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -19,11 +21,9 @@ std::vector<std::pair<std::string, pose_graph::RobustKernel>> kernels_in_any_cas
   std::vector<std::pair<std::string, pose_graph::RobustKernel>> choices =
       pose_graph::robust_kernel_names();
   for (const auto& [name, kernel] : pose_graph::robust_kernel_names()) {
-    std::string small = name;
     std::string capital = name;
-    for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     for (char& c : capital) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    choices.emplace_back(small, kernel);
+    choices.emplace_back(lower_case(name), kernel);
     choices.emplace_back(capital, kernel);
   }
   return choices;

@@ -106,8 +106,6 @@ class Pipeline::Impl {
   const session::Session& session() { return graph_updater_.back_end().session(); }
 
  private:
-  void prepare(Input&& input) { preparation_.add(std::move(input)); }
-
   void match(PreparedScan&& scan) {
     newest_ = scan.synced.scan.stamp;
     odometry_.add(scan);
@@ -161,7 +159,7 @@ class Pipeline::Impl {
   StageThread<PreparedScan> matching_{kScans, threaded_,
                                       [this](PreparedScan&& scan) { match(std::move(scan)); }};
   StageThread<Input> preparing_{kInputs, threaded_,
-                                [this](Input&& input) { prepare(std::move(input)); }};
+                                [this](Input&& input) { preparation_.add(std::move(input)); }};
 };
 
 Pipeline::Pipeline(const PipelineConfig& config, session::Session session,

@@ -50,17 +50,12 @@ void ScanOdometry::add(const PreparedScan& prepared) {
 void ScanOdometry::add(const preprocessing::SyncedScan& synced,
                        front_end::FrontEndResult&& result) {
   if (resumed_ && !resumed_->accepts(result)) return;
-  record(synced, result);
+  chunk_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
+  chunk_.key_frame = result.key_frame;
   if (!chunk_.key_frame) return;
   chunk_.floor = floor_detector_.process(
       {synced.scan.stamp, transformed(synced.scan.cloud, synced.T_base_lidar)});
   forward_chunk();
-}
-
-void ScanOdometry::record(const preprocessing::SyncedScan& synced,
-                          const front_end::FrontEndResult& result) {
-  chunk_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
-  chunk_.key_frame = result.key_frame;
 }
 
 void ScanOdometry::flush() {

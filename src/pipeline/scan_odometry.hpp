@@ -31,7 +31,6 @@ class ScanOdometry {
 
  private:
   void add(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result);
-  void record(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
   void forward_chunk();
 
   ScanMatching matching_;
