@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -28,6 +30,24 @@ inline back_end::OptimizationReport optimize(back_end::BackEnd& back_end, bool t
   const auto solution = back_end::solve(*back_end.problem(thorough));
   back_end.apply(*solution);
   return back_end::report_of(*solution);
+}
+
+/// Number of loops that the graph uses, of those from `first` up to `end`.
+inline std::size_t used_count(const back_end::BackEnd& back_end, std::size_t first = 0,
+                              std::size_t end = std::numeric_limits<std::size_t>::max()) {
+  const auto loops = back_end.loops();
+  std::size_t count = 0;
+  for (std::size_t i = first; i < std::min(end, loops.size()); ++i) count += loops[i].second;
+  return count;
+}
+
+/// Gives the step of odometry to the key frame `at` an error; all later poses move with it.
+inline void add_wrong_step(SyntheticDrive& drive, std::size_t at, const Pose& error) {
+  const Pose before = drive.key_frames[at - 1].T_odom_base;
+  const Pose moved = before * error * before.inverse();
+  for (std::size_t i = at; i < drive.key_frames.size(); ++i) {
+    drive.key_frames[i].T_odom_base = moved * drive.key_frames[i].T_odom_base;
+  }
 }
 
 /// Error of the estimate without alignment.

@@ -18,6 +18,7 @@ using test::feed;
 using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
+using test::used_count;
 
 constexpr std::size_t kWrong = 300;  // key frame with the wrong step
 constexpr int kLap = 400;            // key frames per lap
@@ -28,21 +29,10 @@ Covariance6 expected_error() { return diagonal_covariance(0.1, 0.01); }
 /// Odometry turns by 90 degrees too much in the step to kWrong.
 SyntheticDrive wrongly_turned_drive(bool doubtful) {
   SyntheticDrive drive = test::make_drive();
-  const Pose before = drive.key_frames[kWrong - 1].T_odom_base;
-  const Pose turn{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::Zero()};
-  const Pose moved = before * turn * before.inverse();
-  for (std::size_t i = kWrong; i < drive.key_frames.size(); ++i) {
-    drive.key_frames[i].T_odom_base = moved * drive.key_frames[i].T_odom_base;
-  }
+  test::add_wrong_step(drive, kWrong, {exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::Zero()});
   drive.key_frames[kWrong].doubtful = doubtful;
   drive.key_frames[kWrong].motion_covariance += expected_error();
   return drive;
-}
-
-std::size_t used_count(const BackEnd& back_end) {
-  std::size_t count = 0;
-  for (const auto& [loop, used] : back_end.loops()) count += used ? 1 : 0;
-  return count;
 }
 
 struct Outcome {

@@ -12,13 +12,7 @@ using test::feed;
 using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
-
-std::size_t used_count(const BackEnd& back_end, std::size_t first, std::size_t end) {
-  std::size_t count = 0;
-  const auto loops = back_end.loops();
-  for (std::size_t i = first; i < end; ++i) count += loops[i].second ? 1 : 0;
-  return count;
-}
+using test::used_count;
 
 /// False loops between locations that are far apart, in consistent groups of ten.
 void add_false_loops(BackEnd& back_end, const SyntheticDrive& drive, int groups,
@@ -182,14 +176,19 @@ TEST(Loops, ReplayingTheInputsGivesTheSameBytes) {
   }
 }
 
-TEST(Segments, AreConnectedByLoopsAndNotByOdometry) {
+/// Tracking was lost at key frame 500; the front end starts a new segment at another pose.
+SyntheticDrive drive_in_two_segments() {
   SyntheticDrive drive = test::make_drive();
-  // Tracking was lost at 500; the front end starts a new segment at another pose.
   const Pose jump = {exp_so3({0.0, 0.0, 1.0}), {70.0, -30.0, 5.0}};
   for (std::size_t i = 500; i < 800; ++i) {
     drive.key_frames[i].segment = 1;
     drive.key_frames[i].T_odom_base = jump * drive.key_frames[i].T_odom_base;
   }
+  return drive;
+}
+
+TEST(Segments, AreConnectedByLoopsAndNotByOdometry) {
+  const SyntheticDrive drive = drive_in_two_segments();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   optimize(back_end);
@@ -204,12 +203,7 @@ TEST(Segments, AreConnectedByLoopsAndNotByOdometry) {
 }
 
 TEST(Segments, AreAlignedToEastNorthUpSeparately) {
-  SyntheticDrive drive = test::make_drive();
-  const Pose jump = {exp_so3({0.0, 0.0, 1.0}), {70.0, -30.0, 5.0}};
-  for (std::size_t i = 500; i < 800; ++i) {
-    drive.key_frames[i].segment = 1;
-    drive.key_frames[i].T_odom_base = jump * drive.key_frames[i].T_odom_base;
-  }
+  const SyntheticDrive drive = drive_in_two_segments();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   std::mt19937 engine(5);

@@ -55,12 +55,7 @@ TEST(OdometryErrors, AScaleErrorIsEstimatedAndCorrected) {
 // The error of three metres could be taken for a scale error of 0.2 % and for the full drift.
 TEST(OdometryErrors, AWrongDoubtfulStepDoesNotInfluenceThem) {
   SyntheticDrive drive = good_drive(0.0005, 2e-4);
-  const Pose before = drive.key_frames[299].T_odom_base;
-  const Pose ahead{Eigen::Quaterniond::Identity(), Eigen::Vector3d(3.0, 0.0, 0.0)};
-  const Pose moved = before * ahead * before.inverse();
-  for (std::size_t i = 300; i < drive.key_frames.size(); ++i) {
-    drive.key_frames[i].T_odom_base = moved * drive.key_frames[i].T_odom_base;
-  }
+  test::add_wrong_step(drive, 300, {Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0}});
   drive.key_frames[300].doubtful = true;
   drive.key_frames[300].motion_covariance += diagonal_covariance(2.0, 0.02);
   BackEnd back_end(BackEndConfig{});
