@@ -23,25 +23,17 @@ namespace fs = std::filesystem;
 constexpr double kAnchorStddev_m = 0.1;
 constexpr double kAnchorStddev_rad = 0.05;
 
-/// An output file; the exception of a failure contains its name.
-class File {
- public:
-  explicit File(const fs::path& path) : path_(path), stream_(path) {
-    stream_ << std::setprecision(17);
+/// Writes a file by `write`. Throws FileError with its name.
+template <typename Write>
+void write_file(const fs::path& path, const Write& write) {
+  std::ofstream file(path);
+  file << std::setprecision(17);
+  write(file);
+  file.close();
+  if (!file) {
+    throw FileError("cannot write " + path.string() + "; check the free space and the permissions");
   }
-  std::ostream& stream() { return stream_; }
-  void close() {
-    stream_.close();
-    if (!stream_) {
-      throw FileError("cannot write " + path_.string() +
-                      "; check the free space and the permissions");
-    }
-  }
-
- private:
-  fs::path path_;
-  std::ofstream stream_;
-};
+}
 
 class DumpWriter {
  public:
@@ -75,9 +67,8 @@ class DumpWriter {
     }
     if (datum_) write_datum();
     if (const auto origin = session_.sensor_origin()) {
-      File file(directory_ / "sensor_origin");
-      file.stream() << origin->transpose() << "\n";
-      file.close();
+      write_file(directory_ / "sensor_origin",
+                 [&](std::ostream& file) { file << origin->transpose() << "\n"; });
     }
   }
 
@@ -92,28 +83,28 @@ class DumpWriter {
         Eigen::Vector3d::Constant(4.0 / (kAnchorStddev_rad * kAnchorStddev_rad));
     anchored.edges.push_back(
         {anchor, graph_.nodes.front().id, Pose::Identity(), weight.asDiagonal()});
-    File graph(directory_ / "graph.g2o");
-    pose_graph::write_g2o(anchored, graph.stream());
-    graph.stream() << "FIX " << anchor << "\n";
-    graph.close();
-    File special(directory_ / "special_nodes.csv");
-    special.stream() << "anchor_node " << anchor << "\nanchor_edge -1\nfloor_node -1\n";
-    special.close();
+    write_file(directory_ / "graph.g2o", [&](std::ostream& file) {
+      pose_graph::write_g2o(anchored, file);
+      file << "FIX " << anchor << "\n";
+    });
+    write_file(directory_ / "special_nodes.csv", [&](std::ostream& file) {
+      file << "anchor_node " << anchor << "\nanchor_edge -1\nfloor_node -1\n";
+    });
   }
 
   void write_key_frame(std::size_t number, const KeyFrame& key_frame, const Pose& T_map_base,
                        double travelled) const {
     const fs::path folder = directory_ / formatted("%06zu", number);
     fs::create_directory(folder);
-    File data(folder / "data");
-    constexpr Stamp kNanoseconds = 1'000'000'000;
-    data.stream() << "stamp " << key_frame.stamp / kNanoseconds << " "
-                  << key_frame.stamp % kNanoseconds << "\nestimate\n"
-                  << T_map_base.matrix() << "\nodom\n"
-                  << key_frame.T_odom_base.matrix() << "\naccum_distance " << travelled << "\n";
-    write_measurements(key_frame.stamp, data.stream());
-    data.stream() << "id " << key_frame.index << "\n";
-    data.close();
+    write_file(folder / "data", [&](std::ostream& data) {
+      constexpr Stamp kNanoseconds = 1'000'000'000;
+      data << "stamp " << key_frame.stamp / kNanoseconds << " " << key_frame.stamp % kNanoseconds
+           << "\nestimate\n"
+           << T_map_base.matrix() << "\nodom\n"
+           << key_frame.T_odom_base.matrix() << "\naccum_distance " << travelled << "\n";
+      write_measurements(key_frame.stamp, data);
+      data << "id " << key_frame.index << "\n";
+    });
     const PointCloudPtr cloud = session_.clouds().cloud(key_frame.index);
     session::write_pcd(folder / "cloud.pcd", cloud ? *cloud : PointCloud());
   }
@@ -144,14 +135,14 @@ class DumpWriter {
   /// Writes zero_utm, and the datum in a file of its own, because zero_utm does not contain the UTM
   /// zone.
   void write_datum() const {
-    File zero(directory_ / "zero_utm");
-    zero.stream() << std::fixed << std::setprecision(6) << utm_->origin().x() << " "
-                  << utm_->origin().y() << " " << utm_->origin().z() << "\n";
-    zero.close();
-    File datum(directory_ / "datum");
-    datum.stream() << datum_->latitude_deg << " " << datum_->longitude_deg << " "
-                   << datum_->altitude_m << "\n";
-    datum.close();
+    write_file(directory_ / "zero_utm", [&](std::ostream& file) {
+      file << std::fixed << std::setprecision(6) << utm_->origin().x() << " " << utm_->origin().y()
+           << " " << utm_->origin().z() << "\n";
+    });
+    write_file(directory_ / "datum", [&](std::ostream& file) {
+      file << datum_->latitude_deg << " " << datum_->longitude_deg << " " << datum_->altitude_m
+           << "\n";
+    });
   }
 
   const session::Session& session_;
