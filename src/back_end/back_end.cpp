@@ -62,12 +62,13 @@ class BackEnd::Impl {
   pose_graph::PoseGraph graph() const { return pose_graph_of(drive_, config_); }
 
  private:
-  /// Until the map is aligned to East-North-Up, a solution is due after few positions.
+  /// Until the newest segment lies in East-North-Up, a solution is due after few positions.
   int gnss_optimization_step() const {
     // Positions; chosen: fewer solve more often while the graph is small.
     constexpr int kStepBeforeAlignment = 5;
-    return drive_.in_enu.back() ? config_.optimize_step_with_gnss
-                                : std::min(kStepBeforeAlignment, config_.optimize_step_with_gnss);
+    return segments_in_enu(drive_).back()
+               ? config_.optimize_step_with_gnss
+               : std::min(kStepBeforeAlignment, config_.optimize_step_with_gnss);
   }
 
   /// Small graphs are always solved completely. Large ones are solved completely after each growth

@@ -22,6 +22,19 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluat
   return smallest;
 }
 
+std::vector<bool> segments_in_enu(const DriveGraph& drive) {
+  const std::vector<int> connected = connected_segments(drive, true);
+  std::vector<bool> group_in_enu(connected.size(), false);
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    if (drive.in_enu[s]) group_in_enu[static_cast<std::size_t>(connected[s])] = true;
+  }
+  std::vector<bool> result(connected.size());
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    result[s] = group_in_enu[static_cast<std::size_t>(connected[s])];
+  }
+  return result;
+}
+
 namespace {
 
 const Floor* floor_at(const DriveGraph& drive, int node) {

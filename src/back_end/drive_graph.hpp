@@ -115,6 +115,9 @@ struct DriveGraph : NodeMeasurements {
 /// evaluated yet count if `with_unevaluated_loops` is true.
 std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluated_loops);
 
+/// The segments that were aligned to East-North-Up, and those that loops connect with them.
+std::vector<bool> segments_in_enu(const DriveGraph& drive);
+
 /// The motion by odometry from the previous node to this one, which must be connected, and its
 /// covariance. Both include the estimated errors of the odometry.
 Pose motion_to(const DriveGraph& drive, std::size_t node);

@@ -32,20 +32,6 @@ std::vector<double> covariance_factors(const DriveGraph& drive, const BackEndCon
   return factors;
 }
 
-/// The segments that are connected with a segment in East-North-Up.
-std::vector<bool> segments_in_enu(const DriveGraph& drive) {
-  const std::vector<int> connected = connected_segments(drive, true);
-  std::vector<bool> group_in_enu(connected.size(), false);
-  for (std::size_t s = 0; s < connected.size(); ++s) {
-    if (drive.in_enu[s]) group_in_enu[static_cast<std::size_t>(connected[s])] = true;
-  }
-  std::vector<bool> result(connected.size());
-  for (std::size_t s = 0; s < connected.size(); ++s) {
-    result[s] = group_in_enu[static_cast<std::size_t>(connected[s])];
-  }
-  return result;
-}
-
 }  // namespace
 
 void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {

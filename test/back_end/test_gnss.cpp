@@ -111,6 +111,32 @@ TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   EXPECT_FALSE(back_end.optimization_due());
 }
 
+// Loops bring a new segment to East-North-Up before it is aligned by its own positions.
+TEST(Gnss, ASegmentThatLoopsConnectIsNotSolvedMoreOften) {
+  MappedDrive run;
+  BackEndConfig config;
+  config.optimize_step_with_key_frame = 10000;
+  BackEnd back_end(config);
+  const auto drive_on = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      KeyFrame key_frame = run.drive.key_frames[i];
+      key_frame.segment = i < 400 ? 0 : 1;
+      back_end.add_key_frame(key_frame);
+    }
+  };
+  drive_on(0, 400);
+  for (int i = 0; i < 400; ++i) back_end.add_gnss(run.gnss(i));
+  optimize(back_end);
+  drive_on(400, 420);
+  for (const int i : {400, 405, 410}) {
+    EXPECT_TRUE(back_end.add_loop(test::make_loop(run.drive, i - 400, i, run.engine)));
+  }
+  EXPECT_EQ(optimize(back_end).loops_used, 3U);
+  drive_on(420, 440);
+  for (int i = 420; i < 426; ++i) back_end.add_gnss(run.gnss(i));
+  EXPECT_FALSE(back_end.optimization_due());
+}
+
 TEST(Gnss, TheMapDoesNotDependOnTheStartHeading) {
   double reference = 0.0;
   for (const double yaw_deg : {0.0, 170.0}) {
