@@ -100,6 +100,18 @@ TEST_F(ScanTrack, LeavesOutScansBetweenSegments) {
   EXPECT_NEAR(found[2], 100.0, 1e-6);
 }
 
+// A session of two drives whose first one was recorded later.
+TEST_F(ScanTrack, KnowsDrivesThatWereMergedInReverse) {
+  for (int i = 0; i <= 5; ++i) add_scan(0.1 * i);
+  add_key_frame(0.4, 100.0, 0);
+  add_key_frame(0.1, 1.0, 1);
+  EXPECT_EQ(stamps(),
+            (std::vector<Stamp>{stamp_at(0.0), stamp_at(0.1), stamp_at(0.4), stamp_at(0.5)}));
+  const std::vector<double> found = lefts();
+  EXPECT_NEAR(found[1], 1.0, 1e-6);
+  EXPECT_NEAR(found[2], 100.0, 1e-6);
+}
+
 TEST_F(ScanTrack, DoesWithoutKeyFramesThatHaveNoPose) {
   for (int i = 0; i <= 4; ++i) add_scan(0.1 * i);
   add_key_frame(0.0, 0.0);
