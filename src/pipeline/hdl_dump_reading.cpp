@@ -369,8 +369,10 @@ class DumpReader {
 
 }  // namespace
 
-HdlImport read_hdl_dump(const fs::path& directory, session::Session& session) {
+HdlImport read_hdl_dump(const fs::path& directory, session::Session& session) try {
   return DumpReader(directory, session).read();
+} catch (const InputError& error) {  // of numbers that the session refuses
+  throw FileError(directory.string() + ": " + error.what());
 }
 
 }  // namespace lidar_mapping::pipeline
