@@ -48,7 +48,7 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
     sync(temporary, O_RDONLY);
     fs::rename(temporary, path);
     sync(folder, O_RDONLY | O_DIRECTORY);
-  } catch (const FileError&) {
+  } catch (const Error&) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
     throw;

@@ -100,6 +100,15 @@ TEST_F(AtomicFile, PassesOnAFileErrorAsItIs) {
   EXPECT_TRUE(names().empty());
 }
 
+TEST_F(AtomicFile, PassesOnWhatIsWrongWithTheContent) {
+  const auto fail = [](const fs::path& temporary) {
+    std::ofstream(temporary) << "half";
+    throw InputError("the map has no points");
+  };
+  EXPECT_THROW(write_atomically(path_, fail), InputError) << "free space would not help";
+  EXPECT_TRUE(names().empty());
+}
+
 TEST_F(AtomicFile, MakesMissingFolders) {
   write_text_atomically(folder_.path() / "a" / "b" / "map.txt", "there");
   EXPECT_EQ(content_of(folder_.path() / "a" / "b" / "map.txt"), "there");

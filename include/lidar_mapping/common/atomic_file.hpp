@@ -11,7 +11,8 @@ namespace lidar_mapping {
 /// what it wrote to the disk and renames it to `path`: a reader sees the old file or the new one,
 /// never half of one, also after a kill or a power failure. Missing folders are made. A device or
 /// pipe, such as /dev/stdout, is written itself, for it must not be replaced by a file. Throws
-/// FileError; then `path` is as it was and the temporary file is gone.
+/// FileError, and an Error of `write` as it is; then `path` is as it was and the temporary file is
+/// gone.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write);
 
