@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -35,9 +34,12 @@ inline back_end::OptimizationReport optimize(back_end::BackEnd& back_end, bool t
 /// Number of loops that the graph uses, of those from `first` up to `end`.
 inline std::size_t used_count(const back_end::BackEnd& back_end, std::size_t first = 0,
                               std::size_t end = std::numeric_limits<std::size_t>::max()) {
-  const auto loops = back_end.loops();
   std::size_t count = 0;
-  for (std::size_t i = first; i < std::min(end, loops.size()); ++i) count += loops[i].second;
+  std::size_t i = 0;
+  for (const auto& [loop, used] : back_end.loops()) {
+    if (used && first <= i && i < end) ++count;
+    ++i;
+  }
   return count;
 }
 
