@@ -79,24 +79,20 @@ MotionState moving(double x, double speed) {
 /// Inserts scans at poses of a tracker.
 class Insertions {
  public:
-  explicit Insertions(double range, int points = 4000, bool with_times = false)
-      : scan_(scan_of_walls(range, points)) {
+  explicit Insertions(double range, int points = 4000) : scan_(scan_of_walls(range, points)) {
     config_.calibrate_elevation = false;
-    for (int i = 0; with_times && i < points; ++i)
-      scan_.cloud.times.push_back(0.1F * static_cast<float>(i) / static_cast<float>(points));
     sweep_.sample(scan_, 0);
     start_motion(Pose{}, 0.0, state_);
     mapper_.start_map(scan_, Pose{}, sweep_, state_.map);
   }
 
-  /// True if the mapper inserts a scan at this position, with this speed.
-  bool insert_at(double x, double speed = 0.0) {
-    state_.filter.restart(moving(x, speed), Matrix12d::Identity());
+  /// True if the mapper inserts a scan at this position.
+  bool insert_at(double x) {
+    state_.filter.restart(moving(x, 0.0), Matrix12d::Identity());
     if (!mapper_.is_due(state_)) return false;
     mapper_.insert(scan_, sweep_, state_, timer_);
     return true;
   }
-  void set_first_speed(double speed) { mapper_.set_first_motion(moving(0.0, speed)); }
   TrackerState& state() { return state_; }
   const LocalMapper& mapper() const { return mapper_; }
   double voxel_size() const { return config_.voxel_size; }
@@ -186,26 +182,6 @@ TEST(LocalMapper, RefinesAMapInARoomOnceItIsFilled) {
   for (int i = 10; i < 50; ++i) EXPECT_TRUE(insert_scan(i));
   EXPECT_EQ(scale(), 0.5);
   EXPECT_LT(room.state().map.fine().size(), voxels + voxels / 10) << "all were in it before";
-}
-
-/// The refined map of a room. Its first scan was inserted with the one speed, and the other one was
-/// found after that.
-PointCloud refined_map(double inserted_speed, double first_speed) {
-  Insertions room(3.0, 20000, true);
-  room.insert_at(0.0, inserted_speed);
-  room.set_first_speed(first_speed);
-  for (int i = 1; i < 10; ++i) room.insert_at(2.1 * (i % 2));
-  EXPECT_EQ(room.state().map.fine().resolution(), 0.5 * room.voxel_size());
-  return room.state().map.cloud();
-}
-
-TEST(LocalMapper, DeskewsTheFirstScanOfARefinedMapWithItsMotion) {
-  const PointCloud known_at_once = refined_map(5.0, 5.0);
-  const PointCloud known_later = refined_map(0.0, 5.0);
-  ASSERT_EQ(known_later.size(), known_at_once.size());
-  for (std::size_t i = 0; i < known_later.size(); ++i) {
-    EXPECT_EQ(known_later.points[i].position(), known_at_once.points[i].position()) << i;
-  }
 }
 
 TEST(LocalMapper, TakesScansOfFewPointsAsThoseOfAStreet) {

@@ -87,10 +87,6 @@ void LocalMapper::start_map(const Scan& scan, const Pose& T_odom_base, const Swe
       RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
 }
 
-void LocalMapper::set_first_motion(const MotionState& motion) {
-  if (!young_scans_.empty()) young_scans_.front().motion = motion;
-}
-
 bool LocalMapper::is_due(const TrackerState& state) const {
   return state.coverage.inserted_scans < kInitialScans ||
          kInsertionRule.scaled(state.map.scan_density())

@@ -27,9 +27,6 @@ class LocalMapper {
   void start_map(const Scan& scan, const Pose& T_odom_base, const SweepSampler& sweep,
                  LocalMap& map);
   bool is_indoors() const { return is_indoors_; }
-  /// To be called when the motion during the map's first scan is known. That scan was inserted as
-  /// if the sensor stood still, so it would be distorted when the map is built anew.
-  void set_first_motion(const registration::MotionState& motion);
   /// The next scan is not connected with the previous one.
   void interrupt() { elevation_.interrupt(); }
 

@@ -123,11 +123,10 @@ void NdtTracker::update(const Step& step, const PredictedMotion& predicted, cons
 }
 
 void NdtTracker::set_first_motion(const NdtMatch& second) {
-  const MotionState first = initialization_.first_state(second.state.twist);
   state_.motion_known = true;
   initialization_.set_motion(second);
-  mapper_.set_first_motion(first);
-  false_standstill_.insert(initialization_.first_points(), first);
+  false_standstill_.insert(initialization_.first_points(),
+                           initialization_.first_state(second.state.twist));
 }
 
 void NdtTracker::learn(const Step& step, const PredictedMotion& predicted, const StepMatch& match,
