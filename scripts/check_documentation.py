@@ -280,7 +280,7 @@ class Commands:
 
     @staticmethod
     def _is_command(span):
-        """Inline code without placeholders."""
+        """Inline code that a reader need not fill in."""
         return re.match(r'^(rosrun|rosservice|rosbag) \S+ ', span) and not re.search(r'\.\.\.|[\[<|]', span)
 
     def _is_run(self, command):
