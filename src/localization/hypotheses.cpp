@@ -74,13 +74,17 @@ void Hypotheses::merge() {
   all_ = std::move(kept);
 }
 
+void Hypotheses::begin_search() {
+  for (Hypothesis& hypothesis : all_) hypothesis.begin_search();
+}
+
 void Hypotheses::verify(const PoseEstimate& verified) {
   const auto same = std::find_if(all_.begin(), all_.end(), [&](const Hypothesis& other) {
     return is_same_place(other.estimate().T_map_base, verified.T_map_base);
   });
   if (same == all_.end()) {
     all_.emplace_back(verified);
-  } else {
+  } else if (!same->is_found()) {
     same->verify(verified);
   }
 }

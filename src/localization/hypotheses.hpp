@@ -22,7 +22,10 @@ class Hypotheses {
   void move(const Pose& T_previous_base, const Covariance6& covariance);
   /// Matches a scan at each, and drops those that it refutes.
   void update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double way);
-  /// A verification led to this pose: a new hypothesis, or one more sign for one that is there.
+  /// A new search begins; its verifications follow.
+  void begin_search();
+  /// A verification led to this pose: a new hypothesis, or one more sign for one that is there. A
+  /// search counts once for each place: several of its candidates may end at the same one.
   void verify(const PoseEstimate& verified);
   /// Keeps those within `distance` (m) of a pose, seen from above; none if none is.
   void keep_near(const Pose& T_map_base, double distance);

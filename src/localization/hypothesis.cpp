@@ -119,6 +119,7 @@ void Hypothesis::verify(const PoseEstimate& verified) {
   ++verifications_;
   add(kLogOddsOfVerification);
   is_confirmed_ = true;
+  is_found_ = true;
   if (evidence_ == Evidence::kAgrees) return;
   estimate_ = verified;  // more certain than odometry alone
 }
@@ -134,6 +135,7 @@ void Hypothesis::absorb(const Hypothesis& other) {
   log_odds_ = std::max(log_odds_, other.log_odds_);
   deficit_ = std::min(deficit_, other.deficit_);
   verifications_ = std::max(verifications_, other.verifications_);
+  is_found_ = is_found_ || other.is_found_;
 }
 
 void Hypothesis::add(double evidence) {

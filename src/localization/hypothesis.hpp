@@ -28,6 +28,8 @@ class Hypothesis {
   Evidence update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double way);
   /// Another verification led to this place.
   void verify(const PoseEstimate& verified);
+  /// A new search begins, which has not led here yet.
+  void begin_search() { is_found_ = false; }
 
   /// A verification of the place failed.
   void refuse();
@@ -40,6 +42,8 @@ class Hypothesis {
   /// Logarithm of the odds that the place is right against that it is any other.
   double log_odds() const { return log_odds_ - deficit_; }
   int verifications() const { return verifications_; }
+  /// A verification has led here since begin_search().
+  bool is_found() const { return is_found_; }
   /// The map refutes the place: it is given up.
   bool is_refuted() const { return log_odds_ < 0.0; }
   /// The place is as good as any other that is known.
@@ -65,6 +69,7 @@ class Hypothesis {
   double usual_agreement_ = 0.0;  ///< where the map showed what was seen
   double agreeing_way_ = 0.0;     ///< m, since the map last did not
   bool is_confirmed_ = true;      ///< verified since then
+  bool is_found_ = true;          ///< verified since the search began
   double log_odds_ = kLogOddsOfVerification;
   double deficit_ = 0.0;
   int verifications_ = 1;

@@ -88,6 +88,7 @@ void PlaceFinder::begin_search() {
   way_ = 0.0;
   scans_ = 0;
   is_searching_ = true;
+  hypotheses_.begin_search();
   std::vector<Pose> known;
   for (const Hypothesis& hypothesis : hypotheses_.all()) {
     known.push_back(hypothesis.estimate().T_map_base);

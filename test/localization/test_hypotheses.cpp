@@ -18,10 +18,26 @@ TEST(Hypotheses, AreOneForEachPlace) {
   Hypotheses hypotheses;
   hypotheses.verify(at(0.0));
   hypotheses.verify(at(100.0));
+  hypotheses.begin_search();
   hypotheses.verify(at(0.5));
   ASSERT_EQ(hypotheses.size(), 2U);
   EXPECT_EQ(hypotheses.best()->verifications(), 2);
   EXPECT_NEAR(hypotheses.best()->estimate().T_map_base.translation.x(), 0.5, 1e-9);
+}
+
+// Two candidates of a search may end at the same place, which one scan alone has shown then.
+TEST(Hypotheses, CountASearchOnceForEachPlace) {
+  Hypotheses hypotheses;
+  hypotheses.begin_search();
+  hypotheses.verify(at(0.0));
+  const double of_one_search = hypotheses.best()->log_odds();
+  hypotheses.verify(at(0.5));
+  EXPECT_EQ(hypotheses.best()->verifications(), 1);
+  EXPECT_EQ(hypotheses.best()->log_odds(), of_one_search);
+  hypotheses.begin_search();
+  for (const double x : {0.5, 0.0, 100.0}) hypotheses.verify(at(x));
+  EXPECT_EQ(hypotheses.best()->verifications(), 2);
+  EXPECT_GT(hypotheses.best()->log_odds(), of_one_search);
 }
 
 TEST(Hypotheses, ShareTheProbability) {
