@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "hypothesis.hpp"
@@ -95,6 +98,95 @@ TEST_F(Matching, DoesNotFollowAPlaceAgainBeforeItIsVerified) {
   EXPECT_EQ(evidence_of_scan(scan), Evidence::kUnconfirmed);
   place.verify(place.match().estimate);
   EXPECT_EQ(evidence_of_scan(scan), Evidence::kAgrees);
+}
+
+/// Scans of one place, of which the map shows a part.
+class PartialAgreement : public Matching {
+ protected:
+  PartialAgreement() : scan_(scan_at(planar(10.0, 1.0, 0.1))) { choose_point(); }
+
+  /// The scan with a hundred points above the ground: so many of them are one point of a wall, the
+  /// others hang in the air where the map has nothing. The match depends on none of them.
+  ScanPoints showing(std::size_t percent) const {
+    std::vector<Eigen::Vector3f> points(100, Eigen::Vector3f(0.0F, 0.0F, 35.0F));
+    std::fill_n(points.begin(), percent, point_);
+    ScanPoints scan = scan_;
+    scan.structure = points_at(points);
+    return scan;
+  }
+  /// The scan of a covered sensor, which tells nothing.
+  ScanPoints covered() const {
+    ScanPoints scan = scan_;
+    scan.near = points_at({point_});
+    return scan;
+  }
+  static Hypothesis start() { return place_at(planar(10.15, 0.9, 0.11)); }
+  /// What such a share is worth a metre after all was shown over `way` metres.
+  Evidence evidence_after(double way, std::size_t percent) {
+    Hypothesis place = start();
+    EXPECT_EQ(place.update(showing(100), surfaces_, matcher_, way), Evidence::kAgrees);
+    return place.update(showing(percent), surfaces_, matcher_, 1.0);
+  }
+  /// What it is worth after an interruption and `way` metres with the same share.
+  Evidence evidence_after_interruption(double way, std::size_t percent) {
+    Hypothesis place = start();
+    EXPECT_EQ(place.update(showing(100), surfaces_, matcher_, 1.0), Evidence::kAgrees);
+    EXPECT_EQ(place.update(covered(), surfaces_, matcher_, 1.0), Evidence::kUnknown);
+    EXPECT_EQ(place.update(showing(percent), surfaces_, matcher_, way), Evidence::kUnconfirmed);
+    return place.update(showing(percent), surfaces_, matcher_, 1.0);
+  }
+
+ private:
+  /// A point that lies on a surface of the map, so that its weight is nearly one.
+  void choose_point() {
+    const registration::NdtPoints& seen = scan_.structure;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      point_ = Eigen::Vector3f(seen.x()[i], seen.y()[i], seen.z()[i]);
+      Hypothesis place = start();
+      place.update(showing(100), surfaces_, matcher_, 1.0);
+      const double at_first = place.match().agreement.agreement;
+      place.update(showing(100), surfaces_, matcher_, 1.0);
+      if (std::min(at_first, place.match().agreement.agreement) > 0.95) return;
+    }
+    ADD_FAILURE() << "no point of the scan lies on a surface";
+  }
+  registration::NdtPoints points_at(const std::vector<Eigen::Vector3f>& positions) const {
+    std::vector<float> x, y, z;
+    for (const Eigen::Vector3f& p : positions) {
+      x.push_back(p.x());
+      y.push_back(p.y());
+      z.push_back(p.z());
+    }
+    registration::NdtPoints points;
+    points.assign(x, y, z, std::vector<float>(x.size(), 0.0F), scan_.all.viewpoint());
+    return points;
+  }
+
+  ScanPoints scan_;
+  Eigen::Vector3f point_ = Eigen::Vector3f::Zero();
+};
+
+// Streets have walls on both sides: what agrees in part may be another one.
+TEST_F(PartialAgreement, HasToBeSixTenthsOfTheUsualOne) {
+  EXPECT_EQ(evidence_after(20.0, 65), Evidence::kAgrees);
+  EXPECT_EQ(evidence_after(20.0, 55), Evidence::kUnknown);
+}
+
+// After 15 m the usual agreement is 0.75 of all, of which 0.6 are 0.45.
+TEST_F(PartialAgreement, IsComparedWithTheLastTwentyMetres) {
+  EXPECT_EQ(evidence_after(15.0, 50), Evidence::kAgrees);
+  EXPECT_EQ(evidence_after(15.0, 40), Evidence::kUnknown);
+  EXPECT_EQ(evidence_after(60.0, 65), Evidence::kAgrees) << "no more than all was shown";
+}
+
+// Where too little stands for a verification the way has to do.
+TEST_F(PartialAgreement, ConfirmsAPlaceAfterThirtyMetres) {
+  EXPECT_EQ(evidence_after_interruption(31.0, 60), Evidence::kAgrees);
+  EXPECT_EQ(evidence_after_interruption(29.0, 60), Evidence::kUnconfirmed);
+}
+
+TEST_F(PartialAgreement, ConfirmsNothingBelowAHalf) {
+  EXPECT_EQ(evidence_after_interruption(31.0, 45), Evidence::kUnconfirmed);
 }
 
 TEST_F(Matching, IsAsGoodFarFromTheOrigin) {
