@@ -70,6 +70,13 @@ void append_line(Trajectory& trajectory, const std::vector<std::string>& words) 
   }
 }
 
+/// The lines of files that were put together may jump back in time. Poses of one stamp stay in the
+/// order of their lines, as do those of KITTI.
+void sort_by_stamp(Trajectory& trajectory) {
+  std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
 }  // namespace
 
 std::optional<Pose> pose_between(const StampedPose& before, const StampedPose& after, Stamp stamp,
@@ -129,6 +136,7 @@ Trajectory read_trajectory(const std::string& path) {
                        "; correct or remove the line");
     }
   }
+  sort_by_stamp(trajectory);
   return trajectory;
 }
 

@@ -63,6 +63,22 @@ TEST_F(TrajectoryFile, SkipsComments) {
   EXPECT_EQ(read("# stamp x y z\n1.5 0 0 0 0 0 0 1\n").poses.at(0).stamp, 1500000000);
 }
 
+// Of two files that were put together the later one may stand first.
+TEST_F(TrajectoryFile, IsReadInTheOrderOfItsStamps) {
+  const Trajectory trajectory = read(
+      "20 5 0 0 0 0 0 1\n21 6 0 0 0 0 0 1\n22 7 0 0 0 0 0 1\n"
+      "10 1 0 0 0 0 0 1\n11 2 0 0 0 0 0 1\n12 3 0 0 0 0 0 1\n");
+  ASSERT_EQ(trajectory.poses.size(), 6U);
+  for (std::size_t i = 1; i < 6; ++i) {
+    EXPECT_LT(trajectory.poses[i - 1].stamp, trajectory.poses[i].stamp) << i;
+  }
+  for (const double seconds : {10.5, 11.5, 20.5, 21.5}) {
+    const auto pose = pose_at(from_seconds(seconds), trajectory, 1.5);
+    ASSERT_TRUE(pose) << seconds;
+    EXPECT_NEAR(pose->translation.x(), seconds < 15.0 ? seconds - 9.0 : seconds - 15.0, 1e-9);
+  }
+}
+
 TEST_F(TrajectoryFile, NamesTheMalformedLine) {
   try {
     read("1.0 0 0 0 0 0 0 1\n2.0 0 0\n");

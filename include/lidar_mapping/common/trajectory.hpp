@@ -35,8 +35,8 @@ std::string to_tum(const Trajectory& trajectory);
 std::string to_kitti(const Trajectory& trajectory);
 
 /// Reads either format, distinguished by the count of numbers in a line; lines that begin with #
-/// are skipped. Throws FileError if it cannot be read, InputError naming the line if it is
-/// malformed.
+/// are skipped. The poses are in the order of their stamps, whatever that of the lines. Throws
+/// FileError if it cannot be read, InputError naming the line if it is malformed.
 Trajectory read_trajectory(const std::string& path);
 
 }  // namespace lidar_mapping
