@@ -294,11 +294,13 @@ std::optional<session::Session> BackEndNode::session_of(const std::string& run_i
 
 void BackEndNode::set_session(session::Session session, const std::string& run_id) {
   const std::size_t known = session.key_frame_count();
-  run_ = std::make_shared<Run>(std::move(session), config_.stage);
+  auto run = std::make_shared<Run>(std::move(session), config_.stage);
+  const KeyFrameIndex next = known > 0 ? run->session().key_frames().back().index + 1 : 0;
+  run->session().set_run_id(run_id);
+  if (datum_) run->set_datum(*datum_);
+  run_ = std::move(run);  // all that may fail has been done
   run_id_ = run_id;
-  next_index_ = known > 0 ? run_->session().key_frames().back().index + 1 : 0;
-  run_->session().set_run_id(run_id);
-  if (datum_) run_->set_datum(*datum_);
+  next_index_ = next;
   const std::string folder = run_->session().directory().string();
   context_.node.setParam("session_folder", folder);
   context_.node.setParam(kRunSession, folder);

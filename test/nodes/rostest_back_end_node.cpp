@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fstream>
+
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -414,6 +416,21 @@ TEST_F(BackEndNode, LoadsASessionAndGoesOnInIt) {
   publish(10, 12);
   EXPECT_TRUE(wait_for_key_frames(12)) << node->output();
   EXPECT_EQ(sessions().size(), 1U);
+}
+
+// A session without key frames gives way to one that is loaded, and stays if that cannot be read.
+TEST_F(BackEndNode, KeepsAnEmptySessionUntilAnotherOneIsOpen) {
+  const fs::path empty = folder_.path() / "empty";
+  fs::create_directories(empty);
+  std::ofstream(empty / "session.db").close();  // as of a node that was killed at once
+  const auto node = start({"_resume:=" + empty.string()});
+  ASSERT_EQ(known().poses.header.frame_id, "map") << node->output();
+  const std::string missing = load(folder_.path() / "nothing").message;
+  EXPECT_NE(missing.find("there is no session in"), std::string::npos) << missing;
+  EXPECT_EQ(known().poses.header.frame_id, "map") << "its session is still open";
+  const std::string itself = load(empty).message;
+  EXPECT_NE(itself.find("has no key frames"), std::string::npos) << itself;
+  EXPECT_EQ(known().poses.header.frame_id, "map") << "its session is still open";
 }
 
 TEST_F(BackEndNode, EndsWithAMessageWhereThereIsNoSessionToResume) {

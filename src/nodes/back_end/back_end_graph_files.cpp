@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
+#include <system_error>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
@@ -23,6 +24,12 @@ std::string count_of(std::size_t count, const std::string& thing) {
 /// Relative paths start at the working directory of the node.
 fs::path absolute_folder(const std::string& path) {
   return fs::absolute(expanded_path(path)).lexically_normal();
+}
+
+/// True if Session::open() of a path opens the session in this folder.
+bool leads_to(const fs::path& path, const fs::path& folder) {
+  std::error_code ignored;
+  return fs::equivalent(path, folder, ignored) || fs::equivalent(path / "latest", folder, ignored);
 }
 
 /// The current graph, and the session with the clouds.
@@ -87,7 +94,8 @@ bool BackEndNode::load_graph(LoadGraph::Request& request, LoadGraph::Response& r
   });
 }
 
-/// Runs in the worker, so that no drive can begin meanwhile.
+/// Runs in the worker, so that no drive can begin meanwhile. An empty session that is open stays
+/// until the other one is.
 LoadGraph::Response BackEndNode::load(const std::string& path) {
   const std::size_t known = run_ ? run_->session().key_frame_count() : 0;
   if (known > 0) {
@@ -95,7 +103,6 @@ LoadGraph::Response BackEndNode::load(const std::string& path) {
                      run_->session().directory().string() +
                      "); restart back_end_node and load before the first scan");
   }
-  run_.reset();  // closes an empty session
   Session session = loaded_session(absolute_folder(path));
   const std::string known_id = session.run_id();
   const std::string run_id = known_id.empty() ? session.directory().filename().string() : known_id;
@@ -112,8 +119,10 @@ Session BackEndNode::loaded_session(const fs::path& path) const {
         expanded_path(config_.session_directory), std::time(nullptr),
         [&](Session& session) { pipeline::read_hdl_dump(path, session); });
   }
-  Session session = Session::open(path, Session::Access::kWrite);
-  if (session.key_frame_count() > 0) return session;
+  if (!run_ || !leads_to(path, run_->session().directory())) {
+    Session session = Session::open(path, Session::Access::kWrite);
+    if (session.key_frame_count() > 0) return session;
+  }
   throw InputError("the session " + path.string() + " has no key frames; there is nothing to load");
 }
 
