@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <system_error>
 
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/number_words.hpp"
@@ -42,6 +44,33 @@ std::string name_of(sqlite3* database) {
 
 void check(int code, sqlite3* database) {
   if (code != SQLITE_OK) fail(database);
+}
+
+/// A reader in WAL mode needs files beside the database. Where none can be made, the database is
+/// read as it is, unless it has a log, which would be left out.
+bool is_immutable(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::absolute(path);
+  std::error_code ignored;
+  return ::access(file.parent_path().c_str(), W_OK) != 0 &&
+         std::filesystem::is_regular_file(file, ignored) &&
+         !std::filesystem::exists(file.string() + "-wal", ignored);
+}
+
+/// The address of a file that nobody changes, by SQLite's rules.
+std::string immutable_uri(const std::filesystem::path& path) {
+  std::string uri = "file://";
+  for (const char letter : std::filesystem::absolute(path).string()) {
+    if (letter == '%') {
+      uri += "%25";
+    } else if (letter == '?') {
+      uri += "%3F";
+    } else if (letter == '#') {
+      uri += "%23";
+    } else {
+      uri += letter;
+    }
+  }
+  return uri + "?immutable=1";
 }
 
 int flags_of(Database::Mode mode) {
@@ -185,8 +214,11 @@ Pose Statement::read_pose() {
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 Database::Database(const std::filesystem::path& path, Mode mode) {
+  const bool immutable = mode == Mode::kRead && is_immutable(path);
+  const std::string name = immutable ? immutable_uri(path) : path.string();
+  const int flags = immutable ? flags_of(mode) | SQLITE_OPEN_URI : flags_of(mode);
   sqlite3* database = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &database, flags_of(mode), nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &database, flags, nullptr);
   database_.reset(database);
   if (code != SQLITE_OK) {
     throw FileError("cannot open " + path.string() + ": " + sqlite3_errmsg(database));

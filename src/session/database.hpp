@@ -61,8 +61,8 @@ class Statement {
   int column_ = 0;
 };
 
-/// A SQLite file. Writers use WAL mode, so that readers need not wait for them. All functions throw
-/// FileError.
+/// A SQLite file. Writers use WAL mode, so that readers need not wait for them; where nothing can
+/// be written it is read all the same. All functions throw FileError.
 class Database {
  public:
   enum class Mode { kCreate, kWrite, kRead };

@@ -205,6 +205,29 @@ TEST_F(DatabaseTest, IsNotChangedByAReader) {
             std::string::npos);
 }
 
+// As on a disk that is kept for reading: the files that WAL mode has beside it cannot be made.
+TEST_F(DatabaseTest, IsReadWhereNothingCanBeWritten) {
+  namespace fs = std::filesystem;
+  const fs::path folder = folder_.path() / "100 %41 kept? #1";
+  fs::create_directory(folder);
+  {
+    Database writer(folder / "session.db", Database::Mode::kCreate);
+    writer.execute("CREATE TABLE things (a)");
+    writer.execute("INSERT INTO things VALUES (7)");
+  }
+  ASSERT_FALSE(fs::exists(folder / "session.db-wal"));
+  fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
+  std::int64_t value = 0;
+  const std::string error = error_of([&] {
+    const Database reader(folder / "session.db", Database::Mode::kRead);
+    Statement row = reader.query("SELECT a FROM things");
+    if (row.step()) value = row.read_integer();
+  });
+  fs::permissions(folder, fs::perms::owner_all);
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(value, 7);
+}
+
 TEST_F(DatabaseTest, NamesAFileThatCannotBeOpened) {
   const auto missing = folder_.path() / "missing.db";
   for (const auto mode : {Database::Mode::kRead, Database::Mode::kWrite}) {
