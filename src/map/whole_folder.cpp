@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "whole_folder.hpp"
 
+#include <system_error>
+
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -12,12 +14,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Where the older folder waits while it is replaced.
+fs::path aside(const fs::path& directory) {
+  return directory.parent_path() / ("." + directory.filename().string() + ".old");
+}
+
+/// Whoever was killed while it replaced the folder has left the older one aside, and none in its
+/// place.
+void put_back(const fs::path& directory) {
+  const fs::path old = aside(directory);
+  if (fs::exists(old) && !fs::exists(directory)) fs::rename(old, directory);
+}
+
 /// Replaces an older folder by a finished one.
 void replace_folder(const fs::path& finished, const fs::path& directory) {
-  const fs::path old = directory.parent_path() / ("." + directory.filename().string() + ".old");
+  const fs::path old = aside(directory);
   fs::remove_all(old);
   if (fs::exists(directory)) fs::rename(directory, old);
-  fs::rename(finished, directory);
+  std::error_code failure;
+  fs::rename(finished, directory, failure);
+  if (failure) {
+    put_back(directory);
+    throw fs::filesystem_error("cannot rename", finished, directory, failure);
+  }
   fs::remove_all(old);
 }
 
@@ -33,13 +52,18 @@ void synchronise(const fs::path& folder) {
 
 void write_whole_folder(const fs::path& directory, const char* mark, const char* content,
                         const std::function<void(const fs::path& folder)>& write) {
+  const fs::path target = fs::absolute(directory / ".").lexically_normal().parent_path();
+  std::error_code ignored;
+  try {
+    put_back(target);
+  } catch (const fs::filesystem_error& error) {
+    throw FileError("cannot write " + directory.string() + ": " + error.what());
+  }
   if (fs::exists(directory) && !fs::exists(directory / mark)) {
     throw FileError(directory.string() + " is there already and holds no " + content +
                     "; name another directory");
   }
-  const fs::path target = fs::absolute(directory / ".").lexically_normal().parent_path();
   const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
-  std::error_code ignored;
   try {
     fs::remove_all(temporary);
     fs::create_directories(temporary);

@@ -83,6 +83,25 @@ TEST(WholeFolder, IsNotThereAfterAnyException) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+// A kill between the two renames leaves the older folder aside and none in its place.
+TEST(WholeFolder, IsPutBackAfterAKillWhileItWasReplaced) {
+  const TemporaryFolder folder;
+  const fs::path ept = folder.path() / "ept", old = folder.path() / ".ept.old";
+  const auto written = [](const std::string& text) {
+    return [text](const fs::path& part) { std::ofstream(part / "ept.json") << text; };
+  };
+  write_whole_folder(ept, "ept.json", "tiles", written("first"));
+  fs::rename(ept, old);
+  const auto fail = [](const fs::path&) { throw std::out_of_range("a full disk"); };
+  EXPECT_THROW(write_whole_folder(ept, "ept.json", "tiles", fail), std::out_of_range);
+  EXPECT_EQ(content_of(ept / "ept.json"), "first");
+  EXPECT_FALSE(fs::exists(old));
+  fs::rename(ept, old);
+  write_whole_folder(ept, "ept.json", "tiles", written("second"));
+  EXPECT_EQ(content_of(ept / "ept.json"), "second");
+  EXPECT_FALSE(fs::exists(old));
+}
+
 // Coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.
 TEST(WriteLas, CoordinatesAreAccurateToAMillimetre) {
   const TemporaryFolder folder;
