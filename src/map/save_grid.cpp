@@ -98,6 +98,7 @@ std::vector<std::uint8_t> cell_values(const CloudParts& map, const GridFrame& fr
                                       const std::optional<GridRays>& rays) {
   constexpr float kUnlimited = std::numeric_limits<float>::infinity();
   const PointCloud cloud = points_around(map, frame, block);
+  if (cloud.empty()) return std::vector<std::uint8_t>(block.size(), kUnknown);
   const moving_objects::TransformedPoints points(cloud, Pose());
   const moving_objects::GroundArea area(points, kUnlimited);
   moving_objects::LocalGround ground(area);
@@ -122,18 +123,15 @@ class GridBlocks {
         edge_(std::clamp(static_cast<int>(kBlockEdge / frame.cell), 1, kBlockCells)),
         columns_((frame.columns + edge_ - 1) / edge_),
         rows_((frame.rows + edge_ - 1) / edge_),
-        has_points_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
+        has_ground_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
     map.for_each([&](const PointCloud& part) {
-      for (const Point& point : part.points) {
-        const int column = frame_.column_of(point.x) / edge_;
-        const int row = frame_.row_of(point.y) / edge_;
-        has_points_[static_cast<std::size_t>(row * columns_ + column)] = 1;
-      }
+      for (const Point& point : part.points) mark_around(point);
     });
   }
 
-  std::size_t size() const { return has_points_.size(); }
-  bool has_points(std::size_t i) const { return has_points_[i] != 0; }
+  std::size_t size() const { return has_ground_.size(); }
+  /// Whether there are points in the block, or so near that its ground may be known from them.
+  bool has_ground(std::size_t i) const { return has_ground_[i] != 0; }
   GridBlock at(std::size_t i) const {
     const int column = static_cast<int>(i) % columns_ * edge_;
     const int row = static_cast<int>(i) / columns_ * edge_;
@@ -142,11 +140,26 @@ class GridBlocks {
   }
 
  private:
+  void mark_around(const Point& point) {
+    const float radius = GroundRaster::kSupportRadius;
+    const int first_column = block_of(frame_.column_of(point.x - radius), columns_);
+    const int last_column = block_of(frame_.column_of(point.x + radius), columns_);
+    const int first_row = block_of(frame_.row_of(point.y - radius), rows_);
+    const int last_row = block_of(frame_.row_of(point.y + radius), rows_);
+    for (int row = first_row; row <= last_row; ++row) {
+      for (int column = first_column; column <= last_column; ++column) {
+        has_ground_[static_cast<std::size_t>(row * columns_ + column)] = 1;
+      }
+    }
+  }
+  /// Block of a cell, or the nearest one of so many.
+  int block_of(int cell, int blocks) const { return std::clamp(cell / edge_, 0, blocks - 1); }
+
   const GridFrame& frame_;
   int edge_;  ///< Edge of a block in cells.
   int columns_;
   int rows_;
-  std::vector<std::uint8_t> has_points_;
+  std::vector<std::uint8_t> has_ground_;
 };
 
 /// A PGM picture that is written block by block; its first row is the uppermost one.
@@ -191,7 +204,7 @@ Files save_grid(const CloudParts& map, const GridOptions& options,
     PgmWriter image(temporary, frame);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const GridBlock block = blocks.at(i);
-      image.write(block, blocks.has_points(i) ? cell_values(map, frame, block, options, rays)
+      image.write(block, blocks.has_ground(i) ? cell_values(map, frame, block, options, rays)
                                               : std::vector<std::uint8_t>(block.size(), kUnknown));
     }
     if (!image.close()) {

@@ -220,6 +220,33 @@ TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
   EXPECT_EQ(cell_value_at(folder.path(), 5.1), 205) << "far above a vehicle";
 }
 
+// Ground up to the border of a square of 400 m, and none in the next one, which lies inside of the
+// grid because of the square behind it. A ray passes on over the border.
+TEST(SaveGrid, KnowsTheGroundBeyondTheBorderOfABlock) {
+  const TemporaryFolder folder;
+  PointCloud map;
+  map.points.push_back({0.05F, 0.1F, 0.0F, 0.0F});
+  for (int i = 0; i < 100; ++i) {
+    const float x = 390.0F + 0.1F * static_cast<float>(i) + 0.05F;
+    for (const float y : {-0.35F, -0.15F, 0.05F, 0.25F}) {
+      map.points.push_back({x, y, 0.0F, 0.0F});
+      map.points.push_back({x, y, 0.01F, 0.0F});
+    }
+  }
+  map.points.push_back({900.05F, 0.1F, 0.0F, 0.0F});
+  MemoryClouds clouds;
+  std::vector<Point> observed;
+  observed.push_back({40.0F, 0.1F, 0.5F, 0.0F});
+  clouds.clouds[0] = cloud_of(observed);
+  KeyFramePoses poses;
+  poses.poses.push_back({0, 0, Pose{Eigen::Quaterniond::Identity(), {390.0, 0.0, 0.0}}});
+  const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);
+  save_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
+  EXPECT_EQ(cell_value_at(folder.path(), 395.1), 254) << "ground";
+  EXPECT_EQ(cell_value_at(folder.path(), 401.1), 254) << "the ray passed beside known ground";
+  EXPECT_EQ(cell_value_at(folder.path(), 406.1), 205) << "no ground is known";
+}
+
 TEST(GridCell, RejectsCellsSmallerThanVoxels) {
   MapConfig config;
   EXPECT_EQ(grid_cell(config), config.resolution);
