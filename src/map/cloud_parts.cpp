@@ -19,27 +19,44 @@ class PointFile {
     file_.write(end_ * sizeof(Point), part.points.data(), part.size() * sizeof(Point));
     end_ += part.size();
     sizes_.push_back(part.size());
+    CloudParts::Area& bounds = bounds_.emplace_back();
+    for (const Point& point : part.points) bounds.extend(point.position().head<2>());
   }
 
   void for_each(const CloudParts::Sink& sink) const {
-    PointCloud part;
-    std::uint64_t begin = 0;
-    for (const std::size_t count : sizes_) {
-      part.points.resize(count);
-      file_.read(begin * sizeof(Point), part.points.data(), count * sizeof(Point));
-      begin += count;
-      sink(part);
-    }
+    for_each_of(sink, [](std::size_t) { return true; });
+  }
+  void for_each_near(const CloudParts::Area& area, const CloudParts::Sink& sink) const {
+    for_each_of(sink, [&](std::size_t i) { return area.intersects(bounds_[i]); });
   }
 
  private:
+  template <typename IsWanted>
+  void for_each_of(const CloudParts::Sink& sink, const IsWanted& is_wanted) const {
+    PointCloud part;
+    std::uint64_t begin = 0;
+    for (std::size_t i = 0; i < sizes_.size(); ++i) {
+      const std::size_t count = sizes_[i];
+      if (is_wanted(i)) {
+        part.points.resize(count);
+        file_.read(begin * sizeof(Point), part.points.data(), count * sizeof(Point));
+        sink(part);
+      }
+      begin += count;
+    }
+  }
+
   NamelessFile file_;
   std::uint64_t end_ = 0;  // in points
   std::vector<std::size_t> sizes_;
+  std::vector<CloudParts::Area> bounds_;
 };
 
 CloudParts parts_of(const std::shared_ptr<const PointFile>& file) {
-  return CloudParts([file](const CloudParts::Sink& sink) { file->for_each(sink); });
+  return CloudParts([file](const CloudParts::Sink& sink) { file->for_each(sink); },
+                    [file](const CloudParts::Area& area, const CloudParts::Sink& sink) {
+                      file->for_each_near(area, sink);
+                    });
 }
 
 }  // namespace

@@ -81,8 +81,9 @@ PointCloud points_around(const CloudParts& map, const GridFrame& frame, const Gr
   const auto x_high = static_cast<float>(frame.x_of(block.column + block.columns) + kMargin);
   const auto y_low = static_cast<float>(frame.y_of(block.row) - kMargin);
   const auto y_high = static_cast<float>(frame.y_of(block.row + block.rows) + kMargin);
+  const CloudParts::Area area(Eigen::Vector2f(x_low, y_low), Eigen::Vector2f(x_high, y_high));
   PointCloud cloud;
-  map.for_each([&](const PointCloud& part) {
+  map.for_each_near(area, [&](const PointCloud& part) {
     for (const Point& point : part.points) {
       const bool is_in_area =
           point.x >= x_low && point.x <= x_high && point.y >= y_low && point.y <= y_high;

@@ -280,5 +280,37 @@ TEST(SaveGrid, BlocksGiveTheSameGrid) {
   EXPECT_EQ(std::count(pixels.begin(), pixels.end(), '\xfe'), 0);
 }
 
+// A road of 1600 m, 100 m in each part.
+TEST(SaveGrid, ReadsOnlyThePartsAroundEachBlock) {
+  const TemporaryFolder folder;
+  std::vector<PointCloud> road(16);
+  for (std::size_t i = 0; i < 3200; ++i) {
+    const float x = 0.5F * static_cast<float>(i) + 0.25F;
+    road[i / 200].points.push_back({x, 0.1F, 0.0F, 0.0F});
+    road[i / 200].points.push_back({x, 0.1F, 0.01F, 0.0F});
+  }
+  const auto tiles = [&](const TileSink& sink) {
+    for (std::size_t i = 0; i < road.size(); ++i) {
+      sink({{static_cast<int>(i), 0}, {0.0, 0.0, 0.0}, road[i]});
+    }
+  };
+  const CloudParts stored = stored_parts(tiles, folder.path());
+  std::size_t parts_read = 0;
+  const CloudParts counted([&](const CloudParts::Sink& sink) { stored.for_each(sink); },
+                           [&](const CloudParts::Area& area, const CloudParts::Sink& sink) {
+                             stored.for_each_near(area, [&](const PointCloud& part) {
+                               ++parts_read;
+                               sink(part);
+                             });
+                           });
+  save_grid(counted, {}, folder.path());
+  EXPECT_GE(parts_read, 16U) << "all are needed";
+  EXPECT_LE(parts_read, 16U + 6U) << "and those beside the three borders twice";
+  const std::string by_parts = content_of(folder.path() / "grid.pgm");
+  const CloudParts whole([&](const CloudParts::Sink& sink) { stored.for_each(sink); });
+  save_grid(whole, {}, folder.path());
+  EXPECT_EQ(content_of(folder.path() / "grid.pgm"), by_parts);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::map
