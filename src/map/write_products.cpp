@@ -47,13 +47,24 @@ std::vector<std::string> known_formats(const std::vector<std::string>& formats) 
 std::function<PointOrigin(KeyFrameIndex)> origins_of(const KeyFramePoses& poses,
                                                      const DriveMarks& marks) {
   std::map<Stamp, std::uint32_t> drives;
-  for (const WayPoint& point : marks.way) drives[point.stamp] = point.segment;
-  std::unordered_map<KeyFrameIndex, PointOrigin> origins;
-  for (const KeyFramePose& pose : poses.poses) {
+  std::unordered_map<KeyFrameIndex, const WayPoint*> key_frames;
+  for (const WayPoint& point : marks.way) {
+    drives[point.stamp] = point.segment;
+    key_frames[point.index] = &point;
+  }
+  const auto drive_of = [&](const KeyFramePose& pose) {
+    // Stamps alone do not tell key frames apart: merged drives may have equal ones.
+    const auto known = key_frames.find(pose.index);
+    if (known != key_frames.end() && known->second->stamp == pose.stamp) {
+      return known->second->segment;
+    }
     // A scan between two key frames belongs to the drive of the one before.
     const auto next = drives.upper_bound(pose.stamp);
-    const std::uint32_t drive = next == drives.begin() ? 0 : std::prev(next)->second;
-    origins[pose.index] = {pose.stamp, static_cast<std::uint16_t>(drive)};
+    return next == drives.begin() ? 0U : std::prev(next)->second;
+  };
+  std::unordered_map<KeyFrameIndex, PointOrigin> origins;
+  for (const KeyFramePose& pose : poses.poses) {
+    origins[pose.index] = {pose.stamp, static_cast<std::uint16_t>(drive_of(pose))};
   }
   return [origins = std::move(origins)](KeyFrameIndex index) {
     const auto found = origins.find(index);

@@ -6,10 +6,12 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {
@@ -86,6 +88,30 @@ TEST_F(MapFormats, SingleFilesHaveNameAndFormat) {
     written({format});
     EXPECT_TRUE(std::filesystem::exists(folder_.path() / ("site." + format))) << format;
   }
+}
+
+// Two merged drives may begin at the same instant, as simulated ones do.
+TEST_F(MapFormats, TellDrivesOfEqualStampsApart) {
+  KeyFramePoses poses = source_.poses;
+  poses.poses.push_back({1, 0, Pose{Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0}}});
+  ProductOptions options;
+  options.formats = {"ept"};
+  options.marks = [] {
+    DriveMarks marks;
+    marks.way.push_back({0, 0, 0, Eigen::Vector3d(0.0, 0.0, 0.0)});
+    marks.way.push_back({1, 1, 0, Eigen::Vector3d(50.0, 0.0, 0.0)});
+    return marks;
+  };
+  write_products(poses, source_, {}, options, folder_.path());
+  const auto ept = nlohmann::json::parse(content_of(folder_.path() / "ept" / "ept.json"));
+  std::size_t found = 0;
+  for (const nlohmann::json& dimension : ept["schema"]) {
+    if (dimension["name"].get<std::string>() != "PointSourceId") continue;
+    ++found;
+    EXPECT_EQ(dimension["minimum"].get<double>(), 0.0);
+    EXPECT_EQ(dimension["maximum"].get<double>(), 1.0);
+  }
+  EXPECT_EQ(found, 1U);
 }
 
 TEST_F(MapFormats, ChangesNeedTheRaysOfTheLidar) {
