@@ -46,15 +46,38 @@ std::vector<KeyFrame> in_order_of_time(std::vector<KeyFrame> key_frames) {
   return key_frames;
 }
 
+/// Variance of the unobserved travel up to each key frame, m^2. A front end that is started again
+/// begins at 0, in a new segment; what came before stays in the path.
+std::vector<double> unobserved_variances(const std::vector<KeyFrame>& key_frames,
+                                         const std::vector<session::ScanRecord>& scans) {
+  std::map<Stamp, double> reported;
+  for (const session::ScanRecord& scan : scans) {
+    reported[scan.stamp] = scan.unobserved_stddev * scan.unobserved_stddev;
+  }
+  std::vector<double> variances;
+  double of_earlier_runs = 0.0;
+  double newest = 0.0;
+  for (std::size_t i = 0; i < key_frames.size(); ++i) {
+    const auto found = reported.find(key_frames[i].stamp);
+    if (found != reported.end()) {
+      const bool is_restart =
+          i > 0 && key_frames[i].segment != key_frames[i - 1].segment && found->second < newest;
+      if (is_restart) of_earlier_runs += newest;
+      newest = found->second;
+    }
+    variances.push_back(of_earlier_runs + newest);
+  }
+  return variances;
+}
+
 /// Assesses sections with the key frames and the graph.
 class SectionAssessment {
  public:
   SectionAssessment(const session::Session& session, const std::vector<session::ScanRecord>& scans,
                     const back_end::BackEnd& back_end, const KeyFramePoses& poses)
-      : key_frames_(in_order_of_time(session.key_frames())), back_end_(back_end) {
-    for (const session::ScanRecord& scan : scans) {
-      variances_[scan.stamp] = scan.unobserved_stddev * scan.unobserved_stddev;
-    }
+      : key_frames_(in_order_of_time(session.key_frames())),
+        back_end_(back_end),
+        variances_(unobserved_variances(key_frames_, scans)) {
     for (const KeyFramePose& pose : poses.poses) T_map_base_[pose.index] = pose.T_map_base;
     const std::vector<KeyFramePose> nodes = back_end.poses().poses;
     const std::vector<int> parts = back_end.parts();
@@ -81,11 +104,6 @@ class SectionAssessment {
         std::lower_bound(key_frames_.begin(), key_frames_.end(), stamp,
                          [](const KeyFrame& k, Stamp value) { return k.stamp < value; });
     return static_cast<std::size_t>(found - key_frames_.begin());
-  }
-
-  double variance_at(Stamp stamp) const {
-    const auto found = variances_.find(stamp);
-    return found == variances_.end() ? 0.0 : found->second;
   }
 
   /// Error that the odometry claims between the key frames around a section. Errors of rotation
@@ -143,7 +161,7 @@ class SectionAssessment {
     double worst = 0.0;
     for (std::size_t i = last; i > before; i -= std::min(step, i - before)) {
       const KeyFrame& key_frame = key_frames_[i];
-      const double variance = variance_at(key_frame.stamp) - variance_at(key_frames_[before].stamp);
+      const double variance = variances_[i] - variances_[before];
       worst = std::max(worst, remaining_variance(variance, odometry.of(key_frame.index),
                                                  all.of(key_frame.index)));
     }
@@ -206,7 +224,7 @@ class SectionAssessment {
   std::map<KeyFrameIndex, int> parts_;  ///< Connected part of the graph of each key frame.
   const back_end::BackEnd& back_end_;
   std::shared_ptr<const back_end::OptimizationProblem> problem_;
-  std::map<Stamp, double> variances_;
+  std::vector<double> variances_;  ///< See unobserved_variances().
   std::map<KeyFrameIndex, Pose> T_map_base_;
 };
 

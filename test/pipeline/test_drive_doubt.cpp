@@ -148,6 +148,31 @@ TEST(DriveDoubt, TrustsUnobservedTravelWithMeasuredSpeed) {
   EXPECT_TRUE(doubt_of(drive).is_trusted());
 }
 
+// A front end that was started again in a second tunnel counts its unobserved travel from 0, while
+// that of the first tunnel was 10 m.
+TEST(DriveDoubt, DoesNotTrustUnobservedTravelAfterARestart) {
+  StraightDrive drive;
+  drive.state = [](KeyFrameIndex scan) {
+    const bool unobserved = (scan >= 20 && scan < 60) || (scan >= 200 && scan < 300);
+    return std::string(unobserved ? "degenerate" : "tracking");
+  };
+  drive.unobserved_stddev = [](KeyFrameIndex scan) {
+    if (scan < 20) return 0.0;
+    if (scan < 200) return 10.0 * std::min(1.0, (scan - 19.0) / 40.0);
+    return 9.0 * std::min(1.0, (scan - 199.0) / 100.0);
+  };
+  drive.second_segment_begin = 200;
+  const DriveDoubt doubt = doubt_of(drive);
+  std::size_t found = 0;
+  for (const DoubtfulSection& section : doubt.sections) {
+    if (section.doubt != Doubt::kDegenerate || section.begin != stamp_of(200)) continue;
+    ++found;
+    EXPECT_GT(section.expected_error, 0.3);
+    EXPECT_FALSE(section.is_trusted);
+  }
+  EXPECT_EQ(found, 1U);
+}
+
 StraightDrive degraded_drive() {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
