@@ -46,9 +46,10 @@ std::optional<std::vector<int>> nodes_with_new_data(const DriveGraph& drive,
     if (!is_small_correction(drive, loop)) return std::nullopt;
     result.insert(result.end(), {loop.from, loop.to});
   }
+  const std::vector<bool> in_enu = segments_in_enu(drive);
   for (const DriveGnss& gnss : drive.gnss) {
     if (!config.use_gnss || config.georeference_only || gnss.evaluated) continue;
-    if (!drive.in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) return std::nullopt;
+    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) return std::nullopt;
     if (!is_small_correction(drive, gnss)) return std::nullopt;
     result.push_back(gnss.node);
   }
@@ -148,7 +149,8 @@ DriveGraph extract_window(const DriveGraph& drive, const DriveWindow& window) {
   const auto& [gnss, imu, floors] = static_cast<const NodeMeasurements&>(drive);
   static_cast<NodeMeasurements&>(part) = {in_window(gnss, window), in_window(imu, window),
                                           in_window(floors, window)};
-  part.in_enu = drive.in_enu;
+  // The loops that connect a segment with an aligned one may lie outside of the window.
+  part.in_enu = segments_in_enu(drive);
   part.gnss_delays = drive.gnss_delays;
   part.odometry_errors = drive.odometry_errors;
   return part;

@@ -91,6 +91,46 @@ TEST(Window, ALargeCorrectionIsSolvedInTheWholeGraph) {
   EXPECT_FALSE(run.back_end.problem()->window) << "ten metres are not absorbed in a window";
 }
 
+/// Two segments of 500 key frames along x, 50 m apart. GNSS has aligned the first one, and a loop
+/// between their beginnings the second one, which has a new position in its middle.
+DriveGraph segments_aligned_by_a_loop() {
+  DriveGraph drive;
+  for (int i = 0; i < 1000; ++i) {
+    DriveNode node;
+    node.index = static_cast<KeyFrameIndex>(i);
+    node.segment = i / 500;
+    node.connected = i % 500 > 0;
+    node.stamp = from_seconds(i);
+    node.T_odom_base.translation = {1.0 * (i % 500), 0.0, 0.0};
+    node.T_map_base.translation = {1.0 * (i % 500), 50.0 * node.segment, 0.0};
+    drive.nodes.push_back(node);
+  }
+  drive.segment_starts = {0, 500};
+  drive.in_enu = {true, false};
+  drive.gnss_delays = {GnssDelay{}, GnssDelay{}};
+  DriveLoop loop;
+  loop.from = 0;
+  loop.to = 500;
+  loop.used = true;
+  loop.evaluated = true;
+  drive.loops.push_back(loop);
+  DriveGnss gnss;
+  gnss.node = 750;
+  gnss.position.p_enu_antenna = drive.nodes[750].T_map_base.translation;
+  drive.gnss.push_back(gnss);
+  return drive;
+}
+
+TEST(Window, HasThePositionsOfASegmentThatLoopsAloneHaveAligned) {
+  const DriveGraph drive = segments_aligned_by_a_loop();
+  const auto window = window_around_new_data(drive, BackEndConfig{});
+  ASSERT_TRUE(window) << "the whole graph would be solved for every position";
+  EXPECT_TRUE(window->loops.empty());
+  const DriveGraph part = extract_window(drive, *window);
+  ASSERT_EQ(part.gnss.size(), 1U);
+  EXPECT_TRUE(segments_in_enu(part).at(1)) << "else the window leaves its positions out";
+}
+
 TEST(LeastEigenvalue, IsZeroForAFreeMotionAndGrowsWithConstraints) {
   pose_graph::FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
