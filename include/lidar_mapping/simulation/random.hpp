@@ -16,8 +16,9 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
 
 /// Generator of random numbers that are the same on every platform, unlike those of the standard
 /// distributions. A generator is a value; one that is made from (seed, stream) does not depend on
-/// any other stream. Numbers that are drawn among the arguments of one call come in the order of
-/// the compiler: the worlds of the figures on record are those of GCC.
+/// any other stream. Draw at most one number among the arguments of a call or of an operator, where
+/// the order is the compiler's choice; that of declarations and of braced lists is defined. Many
+/// are drawn from the last argument to the first: so GCC drew them for the figures on record.
 class Random {
  public:
   /// Different streams of a seed give independent numbers.

@@ -59,7 +59,8 @@ void add_short_tilts(std::vector<Vector6d>& control, double end, Random& random)
   const auto count = static_cast<std::size_t>(kTiltDuration / kStep);
   for (double t = 8.0; t < end - 8.0; t += random.uniform(0.5, 1.5) * kTiltPeriod) {
     const int axis = random.integer(4, 5);
-    const double angle = (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(0.5, 1.0) * kTiltAngle;
+    const double side = random.chance(0.5) ? 1.0 : -1.0;
+    const double angle = side * random.uniform(0.5, 1.0) * kTiltAngle;
     const auto first = static_cast<std::size_t>(t / kStep);
     for (std::size_t k = 0; k <= count; ++k) {
       const double u = static_cast<double>(k) / static_cast<double>(count);

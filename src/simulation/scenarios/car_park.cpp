@@ -158,7 +158,8 @@ void add_towers(TriangleMesh& mesh, double z, double height) {
 void park_cars(TriangleMesh& mesh, double z, Random& random) {
   for (const auto& [y, yaw] : {std::pair{3.0, -0.5 * kPi}, std::pair{kWidth - 3.0, 0.5 * kPi}}) {
     for (double x = 6.5; x < kLength - 7.0; x += 2.6) {
-      const double turn = yaw + (random.chance(0.3) ? kPi : 0.0) + random.uniform(-0.04, 0.04);
+      const double ahead = yaw + (random.chance(0.3) ? kPi : 0.0);
+      const double turn = ahead + random.uniform(-0.04, 0.04);
       const double shift = random.uniform(-0.3, 0.3);
       const Random own(random.bits());
       if (!random.chance(0.5)) continue;
@@ -190,10 +191,9 @@ void add_neighbours(TriangleMesh& mesh, Random& random) {
   const auto house = [&](double x, double y, double yaw) {
     const HousePlan plan{random.uniform(12.0, 20.0), random.uniform(9.0, 12.0),
                          random.integer(2, 5), 0.5};
-    add_house(mesh,
-              {rotation_about_z(yaw),
-               {x + random.uniform(-2.0, 2.0), y + random.uniform(-2.0, 2.0), 0.1}},
-              plan, Random(random.bits()));
+    const Random own(random.bits());
+    const double dx = random.uniform(-2.0, 2.0), dy = random.uniform(-2.0, 2.0);
+    add_house(mesh, {rotation_about_z(yaw), {x + dx, y + dy, 0.1}}, plan, own);
   };
   for (double x = -45.0; x < 100.0; x += 26.0) {
     house(x, kWidth + 18.0, 0.0);
@@ -204,7 +204,8 @@ void add_neighbours(TriangleMesh& mesh, Random& random) {
     if (std::abs(y - kAisleLow) > 12.0) house(-62.0, y, 0.5 * kPi);
   }
   for (int i = 0; i < 25; ++i) {
-    const Eigen::Vector3d foot(random.uniform(-50.0, 95.0), random.uniform(-14.0, 50.0), 0.0);
+    const double foot_y = random.uniform(-14.0, 50.0), foot_x = random.uniform(-50.0, 95.0);
+    const Eigen::Vector3d foot(foot_x, foot_y, 0.0);
     const Random own(random.bits());
     const bool on_site =
         foot.x() > -4.0 && foot.x() < kLength + 4.0 && foot.y() > -4.0 && foot.y() < kWidth + 4.0;

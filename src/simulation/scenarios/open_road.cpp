@@ -37,7 +37,8 @@ std::vector<Eigen::Vector2d> corners(Random random) {
 /// Adds trees and bushes beside the road.
 void add_plants(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Random& random) {
   for (int i = 0; i < 260; ++i) {
-    const Eigen::Vector2d at(random.uniform(-230.0, 420.0), random.uniform(-150.0, 330.0));
+    const double y = random.uniform(-150.0, 330.0), x = random.uniform(-230.0, 420.0);
+    const Eigen::Vector2d at(x, y);
     const double size = random.uniform();
     const Random own(random.bits());
     if (distance_to(path, at) < 8.0) continue;

@@ -89,8 +89,9 @@ void add_outliers(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3
       (static_cast<double>(rays.size()) * (1.0 - fraction) + fraction * valid_returns);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!random.chance(chance)) continue;
-    set_return(rays[i], directions[i], random.uniform(lidar.min_range, lidar.max_range),
-               static_cast<float>(random.integer(0, 255)));
+    const auto intensity = static_cast<float>(random.integer(0, 255));
+    const double range = random.uniform(lidar.min_range, lidar.max_range);
+    set_return(rays[i], directions[i], range, intensity);
   }
 }
 

@@ -162,8 +162,9 @@ void add_roof(TriangleMesh& mesh, const Pose& T_mesh_house, const HousePlan& pla
                  at(side, ridge, height + rise), style.wall);
   }
   for (int i = random.integer(0, 2); i > 0; --i) {
-    const Eigen::Vector3d foot(random.uniform(-0.4, 0.4) * plan.width,
-                               random.uniform(0.2, 0.8) * plan.depth, height + 0.8 * rise);
+    const double deep = random.uniform(0.2, 0.8) * plan.depth;
+    const double along = random.uniform(-0.4, 0.4) * plan.width;
+    const Eigen::Vector3d foot(along, deep, height + 0.8 * rise);
     add_box(mesh, T_mesh_house * Pose{Eigen::Quaterniond::Identity(), foot},
             {random.uniform(0.5, 1.0), random.uniform(0.5, 0.9), 2.0}, style.wall);
   }

@@ -49,24 +49,28 @@ double distance_to_path(const std::vector<Eigen::Vector2d>& path, const Eigen::V
 /// A bare trunk with stumps of branches, and a crown above the path of a drone.
 void add_conifer(TriangleMesh& mesh, const Eigen::Vector3d& foot, Random random) {
   const double height = random.uniform(9.0, 17.0), radius = random.uniform(0.08, 0.28);
-  const Eigen::Vector3d lean(random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), 1.0);
+  const double lean_y = random.uniform(-0.03, 0.03), lean_x = random.uniform(-0.03, 0.03);
+  const Eigen::Vector3d lean(lean_x, lean_y, 1.0);
   add_tube(mesh, foot - Eigen::Vector3d(0.0, 0.0, 0.4), height * lean, radius, 0.3 * radius, 8,
            kBark);
   for (int i = random.integer(2, 7); i > 0; --i) {
     const double angle = random.uniform(0.0, 2.0 * kPi), length = random.uniform(0.2, 0.7);
-    add_tube(mesh, foot + random.uniform(1.5, 6.5) * lean,
-             length * Eigen::Vector3d(std::cos(angle), std::sin(angle), random.uniform(-0.2, 0.4)),
-             0.03, 0.01, 5, kBark);
+    const double rise = random.uniform(-0.2, 0.4), up = random.uniform(1.5, 6.5);
+    add_tube(mesh, foot + up * lean,
+             length * Eigen::Vector3d(std::cos(angle), std::sin(angle), rise), 0.03, 0.01, 5,
+             kBark);
   }
-  add_bush(mesh, foot + std::max(7.0, 0.6 * height) * lean, random.uniform(2.0, 3.5),
-           Random(random.bits()));
+  const Random of_crown(random.bits());
+  const double crown = random.uniform(2.0, 3.5);
+  add_bush(mesh, foot + std::max(7.0, 0.6 * height) * lean, crown, of_crown);
 }
 
 void add_boulder(TriangleMesh& mesh, const Eigen::Vector3d& at, Random& random) {
-  const Eigen::Vector3d size(random.uniform(0.3, 1.2), random.uniform(0.3, 1.2),
-                             random.uniform(0.2, 0.8));
-  const Eigen::Vector3d rotation(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4),
-                                 random.uniform(-kPi, kPi));
+  const double size_z = random.uniform(0.2, 0.8), size_y = random.uniform(0.3, 1.2);
+  const double size_x = random.uniform(0.3, 1.2);
+  const double about_z = random.uniform(-kPi, kPi), about_y = random.uniform(-0.4, 0.4);
+  const double about_x = random.uniform(-0.4, 0.4);
+  const Eigen::Vector3d size(size_x, size_y, size_z), rotation(about_x, about_y, about_z);
   add_box(mesh, {exp_so3(rotation), at}, size, kConcrete);
 }
 

@@ -45,14 +45,15 @@ void add_furniture(TriangleMesh& mesh, const Eigen::Vector2d& wall, const Eigen:
   };
   // Shelves and tables stand at the outer wall and in the corners, away from the path.
   const double outer = kOfficeRoomDepth - 0.35;
-  add_piece(random.uniform(-2.0, -1.0), outer,
-            {random.uniform(0.8, 1.8), 0.45, random.uniform(0.8, 2.1)}, 0.0);
-  add_piece(random.uniform(1.0, 2.0), outer, {random.uniform(0.8, 1.6), 0.5, 0.06}, 0.74);
+  const Eigen::Vector3d shelf{random.uniform(0.8, 1.8), 0.45, random.uniform(0.8, 2.1)};
+  add_piece(random.uniform(-2.0, -1.0), outer, shelf, 0.0);
+  const Eigen::Vector3d table{random.uniform(0.8, 1.6), 0.5, 0.06};
+  add_piece(random.uniform(1.0, 2.0), outer, table, 0.74);
   add_piece(random.uniform(0.6, 1.9), outer - 0.1, {0.4, 0.2, 0.4}, 0.8);
-  add_piece(-2.55, random.uniform(0.6, 1.3),
-            {0.5, random.uniform(0.6, 1.0), random.uniform(0.7, 1.9)}, 0.0);
-  add_piece(2.55, random.uniform(0.6, 1.3),
-            {0.5, random.uniform(0.5, 1.0), random.uniform(0.4, 1.2)}, 0.0);
+  const Eigen::Vector3d before{0.5, random.uniform(0.6, 1.0), random.uniform(0.7, 1.9)};
+  add_piece(-2.55, random.uniform(0.6, 1.3), before, 0.0);
+  const Eigen::Vector3d behind{0.5, random.uniform(0.5, 1.0), random.uniform(0.4, 1.2)};
+  add_piece(2.55, random.uniform(0.6, 1.3), behind, 0.0);
 }
 
 /// Adds a row of rooms along a side of the ring. `begin` lies on the outer wall of the corridor.

@@ -88,8 +88,9 @@ void add_furniture(TriangleMesh& mesh, double z, Random& random) {
   }
   const double y = random.uniform(-0.9, 0.3), width = random.uniform(0.4, 0.8);
   const double sill = z + 0.5 * kStairStorey + random.uniform(0.1, 1.0);
-  add_block(mesh, {kEast - 0.1, y, sill}, {kEast, y + width, sill + random.uniform(0.4, 0.8)},
-            paint());
+  const Reflectivity of_window = paint();
+  const double top = sill + random.uniform(0.4, 0.8);
+  add_block(mesh, {kEast - 0.1, y, sill}, {kEast, y + width, top}, of_window);
 }
 
 void add_shaft(TriangleMesh& mesh) {

@@ -14,7 +14,8 @@ namespace {
 Pose upright(const Eigen::Vector3d& at, double yaw) { return {rotation_about_z(yaw), at}; }
 
 Eigen::Vector3d random_direction(Random& random) {
-  return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+  const double z = random.normal(), y = random.normal(), x = random.normal();
+  return Eigen::Vector3d(x, y, z).normalized();
 }
 
 /// A leaf cluster: a small quadrilateral of random orientation.
@@ -30,8 +31,9 @@ void add_crown(TriangleMesh& mesh, const Eigen::Vector3d& centre, const Eigen::V
                int leaves, Random& random) {
   for (int i = 0; i < leaves; ++i) {
     const double depth = std::pow(random.uniform(), 0.25);
-    add_leaf(mesh, centre + depth * radii.cwiseProduct(random_direction(random)),
-             random.uniform(0.15, 0.4), random);
+    const double size = random.uniform(0.15, 0.4);
+    const Eigen::Vector3d direction = random_direction(random);
+    add_leaf(mesh, centre + depth * radii.cwiseProduct(direction), size, random);
   }
 }
 
@@ -40,9 +42,9 @@ void add_hedge(TriangleMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector
   const double height = random.uniform(0.9, 1.9), length = (b - a).norm();
   const Eigen::Vector3d along = (b - a) / length, across(-along.y(), along.x(), 0.0);
   for (int i = static_cast<int>(length * height * 22.0); i > 0; --i) {
-    const Eigen::Vector3d at = a + random.uniform(0.0, length) * along +
-                               random.uniform(-0.3, 0.3) * across +
-                               Eigen::Vector3d(0.0, 0.0, random.uniform(0.0, height));
+    const double up = random.uniform(0.0, height), aside = random.uniform(-0.3, 0.3);
+    const double ahead = random.uniform(0.0, length);
+    const Eigen::Vector3d at = a + ahead * along + aside * across + Eigen::Vector3d(0.0, 0.0, up);
     add_leaf(mesh, at, random.uniform(0.15, 0.3), random);
   }
 }
@@ -62,7 +64,8 @@ void add_pickets(TriangleMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vect
 
 void add_tree(TriangleMesh& mesh, const Eigen::Vector3d& foot, double height, Random random) {
   const double trunk = random.uniform(0.3, 0.45) * height, radius = 0.02 * height;
-  const Eigen::Vector3d lean(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.0);
+  const double lean_y = random.uniform(-0.3, 0.3), lean_x = random.uniform(-0.3, 0.3);
+  const Eigen::Vector3d lean(lean_x, lean_y, 0.0);
   const Eigen::Vector3d below(0.0, 0.0, -0.3);
   const Eigen::Vector3d fork = lean + Eigen::Vector3d(0.0, 0.0, trunk);
   add_tube(mesh, foot + below, fork - below, 1.3 * radius, radius, 8, kBark);
@@ -76,8 +79,9 @@ void add_tree(TriangleMesh& mesh, const Eigen::Vector3d& foot, double height, Ra
 }
 
 void add_bush(TriangleMesh& mesh, const Eigen::Vector3d& foot, double height, Random random) {
-  const Eigen::Vector3d radii(random.uniform(0.5, 0.9) * height, random.uniform(0.5, 0.9) * height,
-                              0.5 * height);
+  const double radius_y = random.uniform(0.5, 0.9) * height;
+  const double radius_x = random.uniform(0.5, 0.9) * height;
+  const Eigen::Vector3d radii(radius_x, radius_y, 0.5 * height);
   add_crown(mesh, foot + Eigen::Vector3d(0.0, 0.0, 0.5 * height), radii,
             static_cast<int>(60.0 * height * height), random);
 }
@@ -116,8 +120,9 @@ void add_fence(TriangleMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector
 }
 
 void add_street_box(TriangleMesh& mesh, const Eigen::Vector3d& foot, double yaw, Random random) {
-  const Eigen::Vector3d size(random.uniform(0.3, 0.8), random.uniform(0.3, 1.2),
-                             random.uniform(0.7, 1.4));
+  const double size_z = random.uniform(0.7, 1.4), size_y = random.uniform(0.3, 1.2);
+  const double size_x = random.uniform(0.3, 0.8);
+  const Eigen::Vector3d size(size_x, size_y, size_z);
   add_box(mesh, upright(foot + Eigen::Vector3d(0.0, 0.0, 0.5 * size.z()), yaw), size,
           static_cast<Reflectivity>(random.integer(40, 200)));
 }

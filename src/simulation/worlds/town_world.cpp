@@ -105,8 +105,10 @@ class BlockBuilder {
                 on_pavement(side.at(s + width - 0.2, line)), split());
     }
     if (garden > 2.2 && random_.chance(0.6)) {
-      add_bush(mesh_, on_pavement(side.at(s + random_.uniform(0.2, 0.8) * width, line + 1.2)),
-               random_.uniform(0.7, 1.7), split());
+      const Random own = split();
+      const double height = random_.uniform(0.7, 1.7);
+      const double along = s + random_.uniform(0.2, 0.8) * width;
+      add_bush(mesh_, on_pavement(side.at(along, line + 1.2)), height, own);
     }
   }
 
@@ -117,12 +119,14 @@ class BlockBuilder {
                 split());
     }
     for (int i = random_.integer(0, 3); i > 0; --i) {
-      const Eigen::Vector2d at =
-          side.at(s + random_.uniform(0.15, 0.85) * width, line + random_.uniform(1.5, 7.0));
-      if (random_.chance(0.6)) {
-        add_tree(mesh_, on_pavement(at), random_.uniform(5.0, 12.0), split());
+      const double in = line + random_.uniform(1.5, 7.0);
+      const Eigen::Vector2d at = side.at(s + random_.uniform(0.15, 0.85) * width, in);
+      const bool is_tree = random_.chance(0.6);
+      const Random own = split();
+      if (is_tree) {
+        add_tree(mesh_, on_pavement(at), random_.uniform(5.0, 12.0), own);
       } else {
-        add_bush(mesh_, on_pavement(at), random_.uniform(0.8, 2.2), split());
+        add_bush(mesh_, on_pavement(at), random_.uniform(0.8, 2.2), own);
       }
     }
   }
@@ -131,7 +135,8 @@ class BlockBuilder {
     const double u = random_.uniform(0.35, 0.65), v = random_.uniform(0.35, 0.65);
     const Eigen::Vector2d at = (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
                                v * ((1.0 - u) * corners[3] + u * corners[2]);
-    add_tree(mesh_, on_pavement(at), random_.uniform(6.0, 13.0), split());
+    const Random own = split();
+    add_tree(mesh_, on_pavement(at), random_.uniform(6.0, 13.0), own);
   }
 
   /// Adds trees, lamps, signs and boxes along the kerb.
@@ -142,11 +147,13 @@ class BlockBuilder {
       const Eigen::Vector3d foot = on_pavement(side.at(s, random_.uniform(0.4, 0.7)));
       const double pick = random_.uniform();
       if (avenue && pick < 0.6) {
-        add_tree(mesh_, foot, random_.uniform(4.5, 9.0), split());
+        const Random own = split();
+        add_tree(mesh_, foot, random_.uniform(4.5, 9.0), own);
       } else if (pick < 0.75) {
         add_lamp(mesh_, foot, side.yaw - 0.5 * kPi, split());
       } else if (pick < 0.9) {
-        add_sign(mesh_, foot, side.yaw + (random_.chance(0.5) ? kPi : 0.0), split());
+        const Random own = split();
+        add_sign(mesh_, foot, side.yaw + (random_.chance(0.5) ? kPi : 0.0), own);
       } else {
         add_street_box(mesh_, on_pavement(side.at(s, 1.9)), side.yaw, split());
       }
