@@ -30,6 +30,10 @@ constexpr std::size_t kEarlyMeasurements = 1000;
 /// Largest number of loops that are kept until their key frames arrive: a node that starts receives
 /// both again. Chosen: ten times those of a town that is driven twice; bounds the memory.
 constexpr std::size_t kEarlyLoops = 1000;
+/// Messages of poses that wait for a slow subscriber. Each has the poses of all key frames, so that
+/// the next one makes up for one that is lost, but not for its mark of the answer to optimize_map.
+/// Chosen: more than a graph is solved in a second; bounds the memory.
+constexpr std::uint32_t kPosesQueue = 10;
 /// Idle time after which the files of the session are updated.
 constexpr std::chrono::milliseconds kIdle{2000};
 
@@ -64,7 +68,7 @@ session::ScanRecord to_record(const FrontEndStatusMessage& status) {
 BackEndNode::BackEndNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
-      poses_(context.node.advertise<KeyFramePosesMessage>("key_frame_poses", 1, true)),
+      poses_(context.node.advertise<KeyFramePosesMessage>("key_frame_poses", kPosesQueue, true)),
       optimized_odom_(
           context.node.advertise<nav_msgs::Odometry>("optimized_odom", kPublisherQueue)),
       key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },
