@@ -157,8 +157,9 @@ void BackEndNode::subscribe_all() {
   const auto tell_all = [this] {
     if (run_) publish_verdicts(run_->verdicts());
   };
-  verdicts_ = advertise<LoopVerdictMessage>(context_, "graph_verdict", 10 * kPublisherQueue,
-                                            channel, tell_all);
+  // A new subscriber is told of all loops at once.
+  verdicts_ =
+      advertise<LoopVerdictMessage>(context_, "graph_verdict", kUnlimitedQueue, channel, tell_all);
 }
 
 /// Returns the first key frame that the session of this run lacks.

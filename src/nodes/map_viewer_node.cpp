@@ -46,10 +46,12 @@ void MapViewerNode::subscribe_all() {
       subscribe<KeyFramePosesMessage>(context_, "key_frame_poses", capacity,
                                       [this](const auto& m) { update_poses(*m); }),
       subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { add_loop(*m); }),
-      subscribe<LoopVerdictMessage>(context_, "loop_verdict", 10 * capacity,
-                                    [this](const auto& m) { update_candidate(*m); }),
-      subscribe<LoopVerdictMessage>(context_, "graph_verdict", 10 * capacity,
-                                    [this](const auto& m) { update_verdict(*m); }),
+      subscribe<LoopVerdictMessage>(
+          context_, "loop_verdict", 10 * capacity, [this](const auto& m) { update_candidate(*m); },
+          Numbered::kYes),
+      subscribe<LoopVerdictMessage>(
+          context_, "graph_verdict", kUnlimited, [this](const auto& m) { update_verdict(*m); },
+          Numbered::kYes),
       subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
                                     [this](const auto& m) {
                                       if (view_.add_fix(from_message(m->pose.pose).translation))

@@ -123,6 +123,30 @@ TEST_F(MapViewerNode, ShowsCandidatesThatMatchingDidNotAccept) {
   EXPECT_GT(candidates.colors[2].g, 0.5F) << "undecided: yellow";
 }
 
+/// As the back end tells a viewer that comes late of a long drive, or of a graph that turned over.
+TEST_F(MapViewerNode, CountsAllLoopsThatAreJudgedAtOnce) {
+  store(2);
+  const NodeProcess node("map_viewer_node", {"_queue_size:=1"});
+  ASSERT_TRUE(shows(2)) << node.output();
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  const auto verdicts = ros::NodeHandle().advertise<LoopVerdictMessage>("graph_verdict", 0);
+  ASSERT_TRUE(wait_until([&] { return verdicts.getNumSubscribers() > 0; })) << node.output();
+  constexpr KeyFrameIndex kLoops = 5000;
+  LoopVerdict verdict;
+  verdict.verdict = Verdict::kRefused;
+  for (verdict.to = 1; verdict.to <= kLoops; ++verdict.to) {
+    verdicts.publish(ros_border::to_message(verdict, "run", "base_link"));
+  }
+  const auto is_counted = [](const visualization_msgs::MarkerArray& message) {
+    return std::any_of(message.markers.begin(), message.markers.end(), [](const auto& marker) {
+      return marker.text.find("(5000 refused)") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(wait_until([&] {
+    return std::any_of(markers.messages.begin(), markers.messages.end(), is_counted);
+  })) << node.output();
+}
+
 /// A key frame that was published while the viewer was connecting, and that none follows.
 TEST_F(MapViewerNode, FetchesTheLastKeyFrameWhenThePosesNameIt) {
   store(kRound - 1);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,6 +53,11 @@ enum class Numbered {
 /// burst, and all dropping is done and counted by the worker.
 constexpr std::uint32_t kTransportQueue = 100;
 
+/// Capacity of a subscription whose bursts grow with the drive, and of which nothing is said twice.
+constexpr int kUnlimited = std::numeric_limits<int>::max();
+/// Length of such a queue of roscpp: 0 is no limit, by definition.
+constexpr std::uint32_t kUnlimitedQueue = 0;
+
 /// Subscribes `topic`; `handle` is called for each message in the worker's thread. Up to `capacity`
 /// messages may wait there. `arrived` is called for each message on arrival, also for those that
 /// are dropped later.
@@ -73,8 +80,9 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
         if (arrived) arrived(*message);
         worker.post(channel, [handle, message] { handle(message); });
       };
+  const std::uint32_t transport_queue = capacity == kUnlimited ? kUnlimitedQueue : kTransportQueue;
   ros::SubscribeOptions options;
-  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(topic, kTransportQueue,
+  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(topic, transport_queue,
                                                                           callback);
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return context.node.subscribe(options);
