@@ -203,6 +203,15 @@ TEST(Launch, RemapsTheTopicOfAnotherOdometry) {
   EXPECT_TRUE(launch.says("external_odom:=/wheels/odom")) << launch.output();
 }
 
+TEST(Launch, RemapsTheTopicOfOtherLidars) {
+  for (const char* file : {"mapping.launch", "localization.launch"}) {
+    NodeProcess launch("/usr/bin/env", {"roslaunch", "--args", "preprocessing_node",
+                                        "lidar_mapping", file, "other_points:=/left"});
+    EXPECT_EQ(launch.wait(), 0) << launch.output();
+    EXPECT_TRUE(launch.says("other_points:=/left")) << file << "\n" << launch.output();
+  }
+}
+
 TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
   ros::param::set("/front_end/key_frame_distance", 7.5);
   ros::param::set("/nodes/odom_frame", "odometry");
