@@ -132,6 +132,14 @@ TEST(CloudConversion, SendsTheSameBytesFromWhereThePointsLie) {
   EXPECT_STREQ(ros::message_traits::datatype<OutgoingCloud>(), "sensor_msgs/PointCloud2");
 }
 
+TEST(CloudConversion, RefusesMorePointsThanAMessageHolds) {
+  EXPECT_NO_THROW(check_cloud_size(0, 16));
+  EXPECT_NO_THROW(check_cloud_size(62'000'000, 16));
+  EXPECT_THROW(check_cloud_size(62'500'000, 16), InputError) << "1 GB is for the whole message";
+  EXPECT_THROW(check_cloud_size(50'000'000, 20), InputError);
+  EXPECT_THROW(check_cloud_size((std::size_t{1} << 32U) + 1, 16), InputError) << "1 in 32 bits";
+}
+
 // Empty and all-NaN sweeps.
 TEST(CloudConversion, LeavesOutPointsThatAreNotFinite) {
   PointCloud cloud = *some_cloud();

@@ -8,6 +8,7 @@
 namespace lidar_mapping::ros_border {
 
 /// x y z intensity as floats, and `time` (seconds relative to the stamp) where there are times.
+/// Throws InputError if the points do not fit into a message (check_cloud_size()).
 sensor_msgs::PointCloud2 to_message(const PointCloud& cloud, Stamp stamp,
                                     const std::string& frame_id);
 

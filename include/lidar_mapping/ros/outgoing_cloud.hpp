@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -10,11 +11,15 @@
 
 namespace lidar_mapping::ros_border {
 
+/// Throws InputError if so many points do not fit into a message: roscpp takes one of more than 1
+/// GB for a damaged stream and closes the connection, and sizes in PointCloud2 have 32 bits.
+void check_cloud_size(std::size_t points, std::size_t bytes_per_point);
+
 /// to_message(cloud, stamp, frame_id) for a publisher of PointCloud2, which serialises the points
 /// directly, so that large clouds are not copied twice. The cloud must not change until publish()
 /// has returned.
 struct OutgoingCloud {
-  /// The points in `frame_id` at `stamp`.
+  /// The points in `frame_id` at `stamp`. Throws InputError if they do not fit into a message.
   OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id);
 
   /// Writes all bytes of the message's data: head.row_step.

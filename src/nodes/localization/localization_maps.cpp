@@ -58,9 +58,9 @@ std::string LocalizationNode::load(const std::string& folder) {
 void LocalizationNode::use(std::shared_ptr<Place> place, const PointCloud& cloud) {
   place_ = std::move(place);
   path_.poses.clear();
-  map_cloud_.publish(to_message(cloud, 0, config_.node.map_frame));
   context_.diagnostics.set("map", place_->map.directory().string());
   context_.diagnostics.set_state(Diagnostics::Level::kWarning, "waiting for scans");
+  map_cloud_.publish(to_message(cloud, 0, config_.node.map_frame));
 }
 
 bool LocalizationNode::relocalize(Relocalize::Request&, Relocalize::Response& response) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -35,6 +36,17 @@ std::size_t required_offset(const CloudView& message, const std::string& name) {
 
 }  // namespace
 
+void check_cloud_size(std::size_t points, std::size_t bytes_per_point) {
+  // Bytes of the data: 1 GB by the definition of roscpp, less room for the rest. Chosen: far more
+  // than a header and the fields have.
+  constexpr std::size_t kMostBytes = 999'000'000;
+  const std::size_t most = kMostBytes / bytes_per_point;
+  if (points <= most) return;
+  throw InputError("a cloud of " + std::to_string(points) +
+                   " points does not fit into a message, which has room for " +
+                   std::to_string(most) + "; a coarser resolution makes it smaller");
+}
+
 OutgoingCloud::OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id)
     : cloud(points) {
   constexpr std::uint8_t kFloat = sensor_msgs::PointField::FLOAT32;
@@ -42,6 +54,7 @@ OutgoingCloud::OutgoingCloud(const PointCloud& points, Stamp stamp, const std::s
       {"x", kFloat, 0}, {"y", kFloat, 4}, {"z", kFloat, 8}, {"intensity", kFloat, 12}};
   if (cloud.has_times()) fields.push_back({"time", kFloat, 16});
   const std::uint32_t step = cloud.has_times() ? 20 : 16;
+  check_cloud_size(cloud.size(), step);
   head.header = header_of(stamp, frame_id);
   set_layout(head, fields, step, static_cast<std::uint32_t>(cloud.size()));
   head.is_dense = true;
