@@ -15,9 +15,12 @@
 #include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/bag_stream.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "bags/bag_chunk.hpp"
+#include "ros2_writer.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -310,6 +313,35 @@ TEST(BagStream, SaysWhatItCannotRead) {
   } catch (const FileError& error) {
     EXPECT_NE(std::string(error.what()).find("rosbag fix"), std::string::npos) << error.what();
   }
+}
+
+/// A database has room for times that no sum of times holds.
+TEST(BagStream, ReadsMessagesOfImpossibleTimes) {
+  const test::TemporaryFolder folder;
+  const Strings paths = {(folder.path() / "a.db3").string()};
+  {
+    test::Ros2Writer out(paths[0]);
+    for (std::uint32_t i = 0; i < 5; ++i) out.add("/imu", ros::Time(100 + i), sensor_msgs::Imu());
+  }
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(paths[0].c_str(), &database), SQLITE_OK);
+  const char* const damage =
+      "UPDATE messages SET timestamp = 9223372036854775807 WHERE id = 2;"
+      "UPDATE messages SET timestamp = -9223372036854775807 WHERE id = 4";
+  EXPECT_EQ(sqlite3_exec(database, damage, nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+  BagStream stream(paths, {"/imu"});
+  std::vector<Stamp> times;
+  while (const auto message = stream.next()) times.push_back(message->recorded);
+  const Stamp latest = from_ros(ros::TIME_MAX);
+  const std::vector<Stamp> expected = {0, from_seconds(100.0), from_seconds(102.0),
+                                       from_seconds(104.0), latest};
+  EXPECT_EQ(times, expected);
+  EXPECT_EQ(stream.damage().places, 0U);
+  const auto range = BagSet(paths).times_of({"/imu"});
+  ASSERT_TRUE(range.has_value());
+  EXPECT_EQ(range->first, from_seconds(100.0));
+  EXPECT_EQ(range->second, from_seconds(104.0));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BagStreamTest,

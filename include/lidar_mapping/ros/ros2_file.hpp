@@ -43,7 +43,8 @@ class Ros2File {
   /// Topics by the numbers that the database gives them, with the types' names and MD5 sums of
   /// ROS 1; the sum is empty for types that are not read.
   const std::map<std::int64_t, BagConnection>& connections() const { return connections_; }
-  /// Times of the first and the last message of the topics; empty if there is none.
+  /// Times of the first and the last message of the topics; empty if there is none. Those that do
+  /// not fit into a time of ROS are left out here; next() gives the nearest one for them.
   std::optional<std::pair<Stamp, Stamp>> times() const;
 
   /// Continues with the first message that was recorded at or after `stamp`.

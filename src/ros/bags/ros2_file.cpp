@@ -19,6 +19,14 @@ namespace {
 const std::string kSqlite = "SQLite format 3";      // how such a file begins
 const std::string kZstandard = "\x28\xB5\x2F\xFD";  // how such a file begins
 
+/// Latest time of ROS, ns: seconds of 32 bits, by definition. The database holds 64 bits, of which
+/// damaged ones would overflow sums of times; the messages themselves have stamps of their own.
+constexpr Stamp kLastTime =
+    Stamp{std::numeric_limits<std::uint32_t>::max()} * kNanosecondsPerSecond + 999'999'999;
+
+/// The time of ROS that is nearest to a time of the database.
+Stamp in_range(std::int64_t time) { return std::clamp<Stamp>(time, 0, kLastTime); }
+
 bool begins_with(const std::string& text, const std::string& with) {
   return text.compare(0, with.size(), with) == 0;
 }
@@ -134,7 +142,8 @@ void Ros2File::count_messages() {
 }
 
 std::optional<std::pair<Stamp, Stamp>> Ros2File::times() const {
-  Statement row(*this, "SELECT min(timestamp), max(timestamp) FROM messages" + of_topics());
+  Statement row(*this, "SELECT min(timestamp), max(timestamp) FROM messages" + of_topics() +
+                           " AND timestamp BETWEEN 0 AND " + std::to_string(kLastTime));
   if (!row.next() || row.is_null(0)) return std::nullopt;
   return std::pair{row.number(0), row.number(1)};
 }
@@ -154,12 +163,12 @@ void Ros2File::skip_to(Stamp stamp) {
 
 std::optional<Stamp> Ros2File::next_time() {
   if (!reading_) begin_reading();
-  return has_row_ ? std::optional<Stamp>(reading_->number(0)) : std::nullopt;
+  return has_row_ ? std::optional<Stamp>(in_range(reading_->number(0))) : std::nullopt;
 }
 
 Ros2Message Ros2File::next() {
   Ros2Message message;
-  message.recorded = reading_->number(0);
+  message.recorded = in_range(reading_->number(0));
   const auto type = types_.find(reading_->number(1));
   if (type != types_.end()) {
     message.connection = &connections_.at(type->first);
