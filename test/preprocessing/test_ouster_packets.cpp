@@ -179,5 +179,15 @@ TEST(Ouster, ImuInMetresAndRadians) {
   EXPECT_LT((sample.angular_velocity - Eigen::Vector3d(kPi / 2.0, 0.0, -kPi)).norm(), 1e-6);
 }
 
+TEST(Ouster, ATimeOfTheImuThatNoClockHasIsRefused) {
+  constexpr std::uint64_t kLast = std::uint64_t{1} << 62U;
+  const auto packet_at = [](std::uint64_t time) {
+    return test::ouster_imu_packet(time, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0});
+  };
+  EXPECT_EQ(ouster_imu(packet_at(kLast).data()).stamp, static_cast<Stamp>(kLast));
+  EXPECT_THROW(ouster_imu(packet_at(kLast + 1).data()), InputError);
+  EXPECT_THROW(ouster_imu(packet_at(0xFFFF'FFFF'FFFF'0000).data()), InputError);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::preprocessing

@@ -84,7 +84,7 @@ class OusterDecoder {
 /// Bytes of a packet of an Ouster's IMU.
 constexpr std::size_t kOusterImuPacket = 48;  // by the manual
 /// Such a packet, in the axes of the IMU: m/s^2 and rad/s; the stamp is that of the gyro by the
-/// sensor's clock.
+/// sensor's clock. Throws InputError for a time that no clock has, as of a damaged packet.
 ImuSample ouster_imu(const std::uint8_t* packet);
 
 }  // namespace lidar_mapping::preprocessing

@@ -39,7 +39,8 @@ constexpr double kMetresPerCount = 1e-3;   // of a range, by the manual
 /// Chosen: far above any sensor's 128 and 4096.
 constexpr std::size_t kMost = 10'000;
 
-/// Latest time of a column, ns. Chosen: 146 years, so that sums of times do not overflow.
+/// Latest time of a column or of the IMU, ns. Chosen: 146 years, so that sums of times do not
+/// overflow.
 constexpr std::uint64_t kLastTime = std::uint64_t{1} << 62U;
 
 template <typename Number>
@@ -174,6 +175,9 @@ ImuSample ouster_imu(const std::uint8_t* packet) {
     std::memcpy(vector.data(), packet + byte, 3 * sizeof(float));
     return Eigen::Vector3d(vector.cast<double>());
   };
+  if (number_at<std::uint64_t>(packet + kGyroTime) > kLastTime) {
+    throw InputError("a time of the sensor is out of range");
+  }
   ImuSample sample;
   sample.stamp = stamp_at(packet + kGyroTime);
   sample.linear_acceleration = kStandardGravity * vector_at(kAcceleration);
