@@ -64,8 +64,9 @@ struct PreprocessingCounters {
   std::size_t scans_deskewed = 0;           ///< motion fully compensated, so without times
   std::size_t points_not_finite = 0;        ///< left out
   std::size_t samples_refused = 0;          ///< not finite, duplicate or out of order
-  std::size_t gnss_refused = 0;  ///< no fix, implausible position, or rejected by the gate
-  std::size_t resets = 0;        ///< time went back by more than 2 s, and all buffers were emptied
+  /// No fix, implausible position, rejected by the gate, or too many waited for the motion.
+  std::size_t gnss_refused = 0;
+  std::size_t resets = 0;  ///< time went back by more than 2 s, and all buffers were emptied
 };
 
 /// Synchronises scans with the samples of the other sensors. It waits until each sensor in use has

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lidar_mapping/common/text.hpp"
 
@@ -72,13 +73,18 @@ FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
                                      "; it is raised to what they do");
   }
   pending_fixes_.insert(at, {fix, local, delay_});
-  if (pending_fixes_.size() > kMaxPending) pending_fixes_.pop_front();
+  if (pending_fixes_.size() > kMaxPending) {
+    pending_fixes_.pop_front();
+    ++dropped_;
+  }
   return {Insertion::kInserted, ""};
 }
 
 std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors, Stamp now,
                                                      Stamp latency, bool all) {
-  std::vector<std::string> rejected;
+  std::vector<std::string> rejected(std::exchange(dropped_, std::size_t{0}),
+                                    "IMU or velocity did not come up to it before " +
+                                        std::to_string(kMaxPending) + " later ones");
   while (!pending_fixes_.empty()) {
     PendingFix pending = pending_fixes_.front();
     LocalFix& fix = pending.fix;

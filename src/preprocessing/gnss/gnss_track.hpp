@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <optional>
 #include <string>
@@ -38,7 +39,8 @@ class GnssTrack {
   /// Adds a fix. An accepted fix waits until the motion up to it is known.
   FixResult add(GnssFix fix, const std::string& frame_id);
   /// Checks the fixes whose motion is known by now, or will not become known (`latency` after them,
-  /// or all of them). Returns the problems of the rejected fixes.
+  /// or all of them). Returns the problems of the rejected fixes, and of those that were dropped
+  /// since the last call because too many waited.
   std::vector<std::string> evaluate_pending(MotionSensors& sensors, Stamp now, Stamp latency,
                                             bool all);
   /// True if a fix at or after `stamp` may still arrive.
@@ -84,6 +86,7 @@ class GnssTrack {
   const Extrinsics& extrinsics_;
   LocalFrame local_frame_;
   std::deque<PendingFix> pending_fixes_;  ///< in the order of their stamps
+  std::size_t dropped_ = 0;               ///< of these because too many waited, not reported yet
   Stamp last_checked_ = 0;
   std::size_t accepted_count_ = 0;  ///< number of accepted fixes, at most two
   std::optional<PendingFix> last_rejected_;
