@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <functional>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -22,6 +23,7 @@ struct Outcome {
   double worst = 0.0;  ///< m, horizontal, to the true antenna
   double ahead = 0.0;  ///< s of way by which positions are ahead, mean over the last 40 s
   std::size_t refused = 0;
+  std::string said;
 };
 
 using Spoil = std::function<void(std::vector<GnssFix>&)>;
@@ -60,6 +62,7 @@ Outcome drive_with(const simulation::Drive& drive, bool with_motion, bool gating
   Outcome outcome;
   outcome.scans = scans.size();
   outcome.refused = stage.counters().gnss_refused;
+  outcome.said = test::messages_of(stage);
   double way = 0.0, ahead = 0.0;  // both times the speed
   for (const SyncedScan& scan : scans) {
     if (!scan.gnss) continue;
@@ -120,6 +123,9 @@ TEST(GnssTrack, DoesNotChangeLateStamps) {
     EXPECT_NEAR(outcome.ahead, -delay, 0.003) << delay;
     EXPECT_EQ(outcome.refused, 0U) << delay;
     EXPECT_GE(outcome.with_gnss, outcome.scans - 3) << delay;
+    const std::string correction = delay > 0.0 ? "gnss_time_offset -0.0" : "gnss_time_offset 0.0";
+    EXPECT_NE(outcome.said.find("positions keep their stamps"), std::string::npos) << outcome.said;
+    EXPECT_NE(outcome.said.find(correction), std::string::npos) << outcome.said;
   }
 }
 

@@ -208,18 +208,21 @@ void GnssTrack::update_delay() {
   if (!fit.delay_is_known() || (!fit.is_late() && delay_ == 0.0)) return;
   if (std::abs(fit.delay - delay_) < kMinDelayChange) return;
   delay_ = fit.delay;
-  diagnostics_.warn("delay",
-                    "gnss: its stamps are " + milliseconds(delay_) +
-                        (delay_ > 0.0 ? " late" : " early") +
-                        " beside IMU and velocity; the back end corrects what it finds beside "
-                        "odometry, gnss_time_offset corrects them here");
+  diagnostics_.warn(
+      "delay",
+      "gnss: its stamps are " + milliseconds(delay_) + (delay_ > 0.0 ? " late" : " early") +
+          " beside IMU and velocity; fixes are only judged by that, and positions "
+          "keep their stamps: the back end corrects what it finds beside odometry "
+          "(estimate_gnss_time_offset), gnss_time_offset " +
+          formatted("%.3f", config_.gnss_time_offset - delay_) + " would correct them here");
 }
 
 bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {
-  const auto corrected_stamp = [](const PendingFix& pending) {
+  // That of the position, which keeps what was taken off for the check.
+  const auto kept_stamp = [](const PendingFix& pending) {
     return pending.fix.stamp + from_seconds(pending.applied_delay);
   };
-  if (!pending_fixes_.empty() && corrected_stamp(pending_fixes_.back()) >= stamp)
+  if (!pending_fixes_.empty() && kept_stamp(pending_fixes_.back()) >= stamp)
     return now < stamp + latency;
   return stream_.may_still_deliver(stamp, now, latency);
 }

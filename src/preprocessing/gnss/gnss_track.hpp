@@ -30,8 +30,9 @@ struct FixResult {
 /// two, which agree with each other, it is discarded, and the frame begins at the earlier one of
 /// these two. If the fixes scatter more than their covariances state, the covariances are
 /// increased. If the stamps are late (or early) compared with the measured motion, this is
-/// reported, and the fixes are checked with corrected stamps. The stamps themselves are not
-/// changed: the back end, which knows the whole drive, corrects them.
+/// reported, and later fixes are checked at stamps from which the delay is taken off. Positions
+/// keep the stamps of their fixes, moved by `gnss_time_offset` alone: the back end, which knows the
+/// whole drive, corrects them.
 class GnssTrack {
  public:
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);
@@ -69,7 +70,7 @@ class GnssTrack {
   struct PendingFix {
     GnssFix original;
     LocalFix fix;
-    double applied_delay = 0.0;  ///< s, correction of its stamp that is used for the check
+    double applied_delay = 0.0;  ///< s that are taken off the stamp of `fix` for the check only
   };
 
   bool confirms_other_start(const PendingFix& pending) const;
@@ -93,7 +94,7 @@ class GnssTrack {
   GnssGate gate_;
   FixScatter scatter_;
   AntennaFit antenna_fit_;
-  double delay_ = 0.0;  ///< s, delay of the receiver's stamps
+  double delay_ = 0.0;  ///< s by which stamps are late beside IMU and velocity; negative: early
   SensorStream<LocalFix> stream_;
   std::string frame_id_;
   HeadingCheck heading_check_;
