@@ -133,6 +133,16 @@ TEST(KeyFrameFeed, AnotherRunBeginsAnew) {
   EXPECT_EQ(world.feed.run_id(), "next");
 }
 
+TEST(KeyFrameFeed, AnotherRunComesBehindWhatWaitsOfTheOneBefore) {
+  World world;
+  world.feed.push(make(0));
+  world.feed.push(make(2));
+  world.feed.push(make(0, "next"));
+  world.feed.push(make(1, "next"));
+  EXPECT_EQ(world.delivered, (Indices{0, 2, 0, 1}));
+  EXPECT_EQ(world.feed.missing(), 1U);
+}
+
 TEST(KeyFrameFeed, NeverMixesRuns) {
   World world;
   world.store_until(5);

@@ -26,8 +26,8 @@ struct RunIndices {
 /// Delivers every key frame of a run once, in the order of the indices: those that arrive, and
 /// those that this node missed because it was started late, was restarted, or lost messages in
 /// transport. Missing key frames are requested; one that is not received before five newer ones
-/// have arrived is skipped and counted. A key frame of another run begins that run. One thread
-/// calls it.
+/// have arrived is skipped and counted. A key frame of another run begins that run, behind those of
+/// the run before that still waited. One thread calls it.
 class KeyFrameFeed {
  public:
   /// Returns the known ones of the key frames with these indices; empty if there is no answer.

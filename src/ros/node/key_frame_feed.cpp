@@ -63,9 +63,9 @@ void KeyFrameFeed::catch_up(const RunIndices& known) {
 }
 
 void KeyFrameFeed::begin_run(const std::string& run_id) {
+  flush();  // what waits belongs to the run before
   next_ = begin_(run_id);
   run_id_ = run_id;
-  pending_.clear();
 }
 
 void KeyFrameFeed::fetch_gap() {
