@@ -169,6 +169,7 @@ KeyFrameIndex BackEndNode::continue_run(const std::string& run_id) {
 }
 
 void BackEndNode::add_key_frame(const KeyFrame& key_frame) {
+  report_missing();
   context_.diagnostics.count_input(key_frame.stamp);
   next_index_ = key_frame.index + 1;
   run_->add_key_frame(key_frame);
@@ -190,11 +191,16 @@ void BackEndNode::print_session() const {
 
 /// Stops waiting for missing key frames and processes those after them.
 void BackEndNode::finalize() {
-  const std::size_t before = key_frames_.missing();
   key_frames_.flush();
-  if (key_frames_.missing() > before) {
-    ROS_WARN_STREAM("key frames that never came: " << key_frames_.missing() - before);
-  }
+  report_missing();
+}
+
+/// Says how many key frames were given up since it last did.
+void BackEndNode::report_missing() {
+  const std::size_t missing = key_frames_.missing();
+  const std::size_t before = std::exchange(reported_missing_, missing);
+  context_.diagnostics.set("key frames given up", std::to_string(missing));
+  if (missing > before) ROS_WARN_STREAM("key frames that never came: " << missing - before);
 }
 
 void BackEndNode::store_sensor_origin() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -51,6 +52,7 @@ class BackEndNode {
   void add_key_frame(const KeyFrame& key_frame);
   void add_early_loops();
   void finalize();
+  void report_missing();
   void store_sensor_origin();
   void add_loop(const LoopMessage& message);
   void add_gnss(const nav_msgs::Odometry& message);
@@ -99,6 +101,7 @@ class BackEndNode {
   std::string run_id_;
   KeyFrameIndex next_index_ = 0;
   KeyFrameFeed key_frames_;
+  std::size_t reported_missing_ = 0;  ///< key frames that were said to be given up
   std::deque<std::function<void(Run&)>> early_;
   std::deque<LoopMessage> early_loops_;
   std::optional<GeodeticDatum> datum_;

@@ -225,6 +225,16 @@ TEST_F(BackEndNode, GivesUpAKeyFrameThatNeverComes) {
   EXPECT_TRUE(node->says("key frames that never came: 1")) << node->output();
 }
 
+/// While the drive goes on nothing waits for long.
+TEST_F(BackEndNode, SaysThatItGivesUpAKeyFrameInMidDrive) {
+  const auto node = start();
+  publish(0, 10);
+  publish(11, 18);
+  EXPECT_TRUE(wait_for_key_frames(17)) << node->output();
+  EXPECT_TRUE(wait_until([&] { return node->says("key frames that never came: 1"); }))
+      << node->output();
+}
+
 // Killed in mid-drive and started again, it goes on with the session.
 TEST_F(BackEndNode, GoesOnWithItsSessionAfterItWasKilled) {
   auto node = start();
