@@ -135,9 +135,8 @@ void BackEndNode::subscribe_all() {
       Numbered::kYes);
   listen<LoopMessage>(
       "loop", [this](const auto& m) { add_loop(m); }, Numbered::kYes);
-  listen<LoopVerdictMessage>("loop_verdict", [this](const auto& m) {
-    if (run_ && m.run_id == run_id_) run_->session().add_verdict(from_message(m));
-  });
+  listen<LoopVerdictMessage>(
+      "loop_verdict", [this](const auto& m) { add_verdict(m); }, Numbered::kYes);
   listen<nav_msgs::Odometry>("synced_gnss", [this](const auto& m) { add_gnss(m); });
   listen<sensor_msgs::Imu>("synced_imu", [this](const auto& m) {
     add_or_queue([sample = from_message(m)](Run& run) { run.add_imu(sample); });
@@ -212,8 +211,9 @@ void BackEndNode::store_sensor_origin() {
 void BackEndNode::add_loop(const LoopMessage& message) {
   if (!run_ || (message.run_id == run_id_ && std::max(message.from, message.to) >= next_index_)) {
     early_loops_.push_back(message);
-    if (early_loops_.size() > kEarlyLoops) early_loops_.pop_front();
-    return;
+    if (early_loops_.size() <= kEarlyLoops) return;
+    early_loops_.pop_front();
+    return report_dropped("loops that came before their key frames", ++early_loops_dropped_);
   }
   if (message.run_id != run_id_) {
     throw InputError("the loop belongs to run '" + message.run_id + "', this is run '" + run_id_ +
@@ -227,6 +227,20 @@ void BackEndNode::add_loop(const LoopMessage& message) {
   }
   files_outdated_ = true;
   optimize_if_due();
+}
+
+/// The run is known only at its first key frame, so that an earlier verdict waits for it.
+void BackEndNode::add_verdict(const LoopVerdictMessage& message) {
+  add_or_queue([this, id = message.run_id, verdict = from_message(message)](Run& run) {
+    if (id == run_id_) return run.session().add_verdict(verdict);
+    context_.diagnostics.set("verdicts of other runs", std::to_string(++foreign_verdicts_));
+  });
+}
+
+/// The log has the first one alone, because a node that is left out makes it many.
+void BackEndNode::report_dropped(const std::string& what, std::size_t count) {
+  context_.diagnostics.set(what + ", dropped", std::to_string(count));
+  if (count == 1) ROS_WARN_STREAM(what << ": too many wait, the oldest are dropped");
 }
 
 void BackEndNode::add_early_loops() {
@@ -264,7 +278,9 @@ void BackEndNode::publish_in_map(const nav_msgs::Odometry& message) {
 void BackEndNode::add_or_queue(std::function<void(Run&)> add) {
   if (run_) return add(*run_);
   early_.push_back(std::move(add));
-  if (early_.size() > kEarlyMeasurements) early_.pop_front();
+  if (early_.size() <= kEarlyMeasurements) return;
+  early_.pop_front();
+  report_dropped("measurements that came before the first key frame", ++early_dropped_);
 }
 
 /// Continues the session of this run if there is one (restart of the node), otherwise creates a new

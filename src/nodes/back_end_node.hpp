@@ -55,6 +55,8 @@ class BackEndNode {
   void report_missing();
   void store_sensor_origin();
   void add_loop(const LoopMessage& message);
+  void add_verdict(const LoopVerdictMessage& message);
+  void report_dropped(const std::string& what, std::size_t count);
   void add_gnss(const nav_msgs::Odometry& message);
   void publish_in_map(const nav_msgs::Odometry& message);
   void add_or_queue(std::function<void(Run&)> add);
@@ -104,6 +106,9 @@ class BackEndNode {
   std::size_t reported_missing_ = 0;  ///< key frames that were said to be given up
   std::deque<std::function<void(Run&)>> early_;
   std::deque<LoopMessage> early_loops_;
+  std::size_t early_dropped_ = 0;  ///< of `early_`, which was full
+  std::size_t early_loops_dropped_ = 0;
+  std::size_t foreign_verdicts_ = 0;  ///< verdicts of other runs
   std::optional<GeodeticDatum> datum_;
   std::string failure_;  ///< reason; empty if the newest optimisation succeeded
   bool files_outdated_ = false;

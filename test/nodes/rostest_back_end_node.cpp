@@ -225,6 +225,42 @@ TEST_F(BackEndNode, GivesUpAKeyFrameThatNeverComes) {
   EXPECT_TRUE(node->says("key frames that never came: 1")) << node->output();
 }
 
+TEST_F(BackEndNode, SaysThatItDropsLoopsWhoseKeyFramesDoNotCome) {
+  const auto node = start();
+  EXPECT_TRUE(wait_until([&] {
+    for (int i = 0; i < 50; ++i) loops_.publish(round_loop());
+    return node->says("loops that came before their key frames: too many wait");
+  })) << node->output();
+}
+
+/// As a back end does that starts in mid-drive.
+TEST_F(BackEndNode, KeepsVerdictsThatComeBeforeTheFirstKeyFrame) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  const auto node = start();
+  const auto verdicts = connected_publisher<LoopVerdictMessage>("loop_verdict");
+  LoopVerdict verdict;
+  verdict.verdict = Verdict::kRefused;
+  for (const char* run_id : {"run", "another run"}) {
+    verdict.to += 7;
+    verdicts.publish(ros_border::to_message(verdict, run_id, "base_link"));
+  }
+  const auto shown = [&](const std::string& key, const std::string& part) {
+    return wait_until([&] {
+      for (const auto& message : diagnostics.messages) {
+        for (const auto& value : message.status.at(0).values) {
+          if (value.key == key && value.value.find(part) != std::string::npos) return true;
+        }
+      }
+      return false;
+    });
+  };
+  ASSERT_TRUE(shown("queue loop_verdict", " 2 handled")) << node->output();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10)) << node->output();
+  EXPECT_EQ(known().searched, 8U);
+  EXPECT_TRUE(shown("verdicts of other runs", "1"));
+}
+
 /// While the drive goes on nothing waits for long.
 TEST_F(BackEndNode, SaysThatItGivesUpAKeyFrameInMidDrive) {
   const auto node = start();
