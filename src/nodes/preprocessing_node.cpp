@@ -147,6 +147,8 @@ class PreprocessingNode {
   ScanLossCounter losses_;
   InputWatch watch_;
   preprocessing::SentenceCheck sentences_;
+  std::size_t damaged_packets_ = 0;        ///< left out of the clouds that are made of packets
+  std::size_t other_clouds_left_out_ = 0;  ///< of other LiDARs, without times or transform
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -227,6 +229,7 @@ void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& me
   const RecordedCloud cloud = whole_cloud(message);
   context_.diagnostics.count_input(from_ros(cloud.message.header.stamp));
   DecodedCloud decoded = reader_.read_lazily(cloud, std::move(spare_cloud_));
+  damaged_packets_ += decoded.format.damaged_packets;
   validate(cloud.view(), decoded);
   process(std::move(decoded.scan));
   report();
@@ -236,11 +239,14 @@ void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& me
 /// frame of its own.
 void PreprocessingNode::add_other_cloud(const boost::shared_ptr<const WireMessage>& message) {
   if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message, "other_points");
-  preprocessing::RawScan scan = reader_.read(whole_cloud(message)).scan;
+  DecodedCloud decoded = reader_.read(whole_cloud(message));
+  damaged_packets_ += decoded.format.damaged_packets;
+  preprocessing::RawScan scan = std::move(decoded.scan);
   const std::optional<Pose> T_base_other = T_base(scan.frame_id);
   if (T_base_other && scan.cloud.has_times()) {
     return merger_.add_other(std::move(scan), *T_base_other);
   }
+  ++other_clouds_left_out_;
   constexpr double kPause = 10.0;  // s; chosen: once in a hundred clouds
   ROS_WARN_STREAM_THROTTLE(
       kPause, "the clouds of '" << scan.frame_id << "' on "
@@ -404,6 +410,8 @@ void PreprocessingNode::report() {
   set("scans forgotten when time went back", counters.scans_forgotten);
   set("scans completed early", counters.scans_waiting_too_long);
   set("points not finite", counters.points_not_finite);
+  set("packets damaged", damaged_packets_);
+  set("clouds of other LiDARs left out", other_clouds_left_out_);
   set("samples refused", counters.samples_refused);
   set("GNSS fixes refused", counters.gnss_refused);
   set("resets", counters.resets);

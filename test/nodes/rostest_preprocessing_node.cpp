@@ -45,6 +45,24 @@ TEST_F(PreprocessingNode, MergesTheCloudsOfOtherLidars) {
   EXPECT_TRUE(is_merged());
 }
 
+TEST_F(PreprocessingNode, CountsTheCloudsOfOtherLidarsThatItLeavesOut) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  const auto others = connected_publisher<sensor_msgs::PointCloud2>("other_points");
+  send_transform();
+  others.publish(timed_yard(0, 0, "nowhere"));
+  others.publish(timed_yard(1, 0, "nowhere"));
+  const auto is_counted = [](const diagnostic_msgs::DiagnosticArray& message) {
+    const auto& values = message.status.at(0).values;
+    return std::any_of(values.begin(), values.end(), [](const auto& value) {
+      return value.key == "clouds of other LiDARs left out" && value.value == "2";
+    });
+  };
+  EXPECT_TRUE(wait_until([&] {
+    const auto& messages = diagnostics.messages;
+    return std::any_of(messages.begin(), messages.end(), is_counted);
+  })) << node_->output();
+}
+
 // Late tf, the LiDAR with and without other sensors, stamps bit for bit.
 TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   for (int step = 0; step < 5; ++step) send_cloud(step);

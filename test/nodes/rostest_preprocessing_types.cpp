@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdint>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TwistStamped.h>
 #include <tf2_msgs/TFMessage.h>
@@ -61,32 +63,56 @@ TEST(PreprocessingNodeWithDriver, ReadsLivoxCustomMsg) {
   EXPECT_NEAR(cloud.times[100], 0.05, 1e-6);
 }
 
+/// A turn of a VLP-16 that sees 5 m everywhere.
+VelodyneScanMessage velodyne_turn(int step) {
+  VelodyneScanMessage message;
+  message.header.stamp = to_ros(stamp_of(step));
+  message.header.frame_id = "lidar";
+  message.packets.resize(75);
+  for (std::size_t p = 0; p < message.packets.size(); ++p) {
+    const auto microseconds = static_cast<std::uint32_t>(1333 * p);
+    message.packets[p].stamp = message.header.stamp + ros::Duration(1e-6 * microseconds);
+    for (std::size_t b = 0; b < 12; ++b) {
+      put_block(message.packets[p].data, b, static_cast<std::uint16_t>(40 * (12 * p + b)),
+                [](std::size_t) {
+                  return VelodyneReturn{2500, 9};
+                });
+    }
+    put_end(message.packets[p].data, microseconds, kStrongest, kIsVlp16);
+  }
+  return message;
+}
+
 TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAVelodyne) {
   NodeWithDriver<VelodyneScanMessage> node;
-  for (int step = 0; step < 3; ++step) {
-    VelodyneScanMessage message;
-    message.header.stamp = to_ros(stamp_of(step));
-    message.header.frame_id = "lidar";
-    message.packets.resize(75);
-    for (std::size_t p = 0; p < message.packets.size(); ++p) {
-      const auto microseconds = static_cast<std::uint32_t>(1333 * p);
-      message.packets[p].stamp = message.header.stamp + ros::Duration(1e-6 * microseconds);
-      for (std::size_t b = 0; b < 12; ++b) {
-        put_block(message.packets[p].data, b, static_cast<std::uint16_t>(40 * (12 * p + b)),
-                  [](std::size_t) {
-                    return VelodyneReturn{2500, 9};
-                  });
-      }
-      put_end(message.packets[p].data, microseconds, kStrongest, kIsVlp16);
-    }
-    node.send(message);
-  }
+  for (int step = 0; step < 3; ++step) node.send(velodyne_turn(step));
   ASSERT_TRUE(node.synced().wait_for(3));
   const PointCloud cloud = ros_border::from_message(node.synced().messages[1]);
   ASSERT_EQ(cloud.size(), 75U * 12U * 32U);
   EXPECT_NEAR(cloud.points[7000].position().norm(), 5.0, 1e-4);
   ASSERT_TRUE(cloud.has_times());
   EXPECT_NEAR(cloud.times.back() - cloud.times.front(), 0.1, 2e-3);
+}
+
+/// The check of the inputs ends after some seconds; damage does not.
+TEST(PreprocessingNodeWithDriver, CountsDamagedPacketsOfTheWholeDrive) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  NodeWithDriver<VelodyneScanMessage> node;
+  for (const int step : {0, 100, 101}) {
+    VelodyneScanMessage message = velodyne_turn(step);
+    put_number(message.packets[10].data, 300, 0x1234, 2);  // the flag of a block
+    node.send(message);
+  }
+  const auto is_counted = [](const diagnostic_msgs::DiagnosticArray& message) {
+    const auto& values = message.status.at(0).values;
+    return std::any_of(values.begin(), values.end(), [](const auto& value) {
+      return value.key == "packets damaged" && value.value == "3";
+    });
+  };
+  EXPECT_TRUE(wait_until([&] {
+    const auto& messages = diagnostics.messages;
+    return std::any_of(messages.begin(), messages.end(), is_counted);
+  }));
 }
 
 TEST_F(PreprocessingNode, TakesWheelOdometryAndGeoPoints) {
