@@ -115,6 +115,20 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
   EXPECT_NE(yaml.find("latitude: 10.0"), std::string::npos) << yaml;
 }
 
+/// As where the back end writes its session on another machine.
+TEST_F(MapViewerNode, SaysWhyItSavesWithoutTheSession) {
+  store(3);
+  const NodeProcess node("map_viewer_node");
+  ASSERT_TRUE(shows(3)) << node.output();
+  ros::NodeHandle().setParam("session_folder", (folder_.path() / "nothing").string());
+  const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
+  ros::NodeHandle().deleteParam("session_folder");
+  EXPECT_TRUE(answer.success) << answer.message;
+  EXPECT_TRUE(wait_until([&] {
+    return node.says("saved without what the session knows: there is no session in");
+  })) << node.output();
+}
+
 // What moved while it was seen is not in the map, unless it is wanted or nobody knows whence.
 TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
   constexpr int kStanding = 8;

@@ -119,8 +119,9 @@ void MapViewerNode::complete(map::ProductOptions& options, const KeyFramePoses& 
       return pipeline::session_marks(
           session::Session::open(folder, session::Session::Access::kRead), poses);
     };
-  } catch (const FileError&) {
-    // The session is on another machine, so the sensor origin is unknown.
+  } catch (const FileError& error) {
+    // As where the back end runs on another machine.
+    ROS_WARN_STREAM("the map is saved without what the session knows: " << error.what());
   }
 }
 
