@@ -227,6 +227,10 @@ void FrontEndNode::set_initial_pose(const geometry_msgs::PoseWithCovarianceStamp
 
 void FrontEndNode::process(std::vector<AssembledScan> scans) {
   for (const AssembledScan& scan : scans) process(scan);
+  if (!scans.empty()) {
+    context_.diagnostics.set("scans that lack samples of sensors",
+                             std::to_string(assembler_.scans_without_samples()));
+  }
   const std::size_t left_out = assembler_.scans_without_odometry();
   if (left_out > 0 && limiter_.due("external_odom")) {
     ROS_WARN_STREAM("external_odom gave no pose for "

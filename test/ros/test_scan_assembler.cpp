@@ -108,6 +108,7 @@ TEST(ScanAssembler, GoesOnWithoutASampleThatWasLost) {
     taken += assembler.take_ready().size();
     EXPECT_EQ(taken, i < 12 ? 1U : 12U);
   }
+  EXPECT_EQ(assembler.scans_without_samples(), 1U);
 }
 
 TEST(ScanAssembler, TakesNoTurningFromAnImuWithoutGyro) {

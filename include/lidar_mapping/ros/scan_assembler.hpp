@@ -62,6 +62,8 @@ class ScanAssembler {
   std::vector<AssembledScan> flush();
   /// Number of scans that were left out because the external odometry had no pose.
   std::size_t scans_without_odometry() const { return without_odometry_; }
+  /// Number of scans that lack an IMU sample or a velocity that was sent, and was lost on its way.
+  std::size_t scans_without_samples() const { return without_samples_; }
 
  private:
   template <typename Sample>
@@ -91,6 +93,7 @@ class ScanAssembler {
   std::deque<Scan> waiting_;
   std::optional<Stamp> newest_;
   std::size_t without_odometry_ = 0;
+  std::size_t without_samples_ = 0;
 };
 
 }  // namespace lidar_mapping::ros_border

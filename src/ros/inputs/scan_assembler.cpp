@@ -125,8 +125,11 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   waiting_.pop_front();
   has_begun_ = true;
   SyncedInputs inputs = inputs_.take(stamp).value_or(SyncedInputs{});
-  assembled.prior = front_end::prior_of(imu_.take(stamp), velocity_.take(stamp),
-                                        std::move(inputs.uneven_turning), inputs.felt);
+  const auto imu = imu_.take(stamp);
+  const auto velocity = velocity_.take(stamp);
+  if ((inputs.imu && !imu) || (inputs.velocity && !velocity)) ++without_samples_;
+  assembled.prior =
+      front_end::prior_of(imu, velocity, std::move(inputs.uneven_turning), inputs.felt);
   if (const auto gnss = gnss_.take(stamp)) assembled.prior.T_odom_base_initial = gnss->T_enu_base();
   if (external_odometry_) {
     assembled.prior.T_external_base = odometry_at(stamp);
