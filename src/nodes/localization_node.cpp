@@ -10,7 +10,6 @@
 #include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
@@ -37,11 +36,7 @@ constexpr double kWatchPeriod = 0.25;
 
 std::optional<Pose> initial_pose_of(const LocalizationNodeConfig& config) {
   if (!config.use_initial_pose) return std::nullopt;
-  const std::vector<double>& p = config.initial_pose;
-  Pose pose;
-  pose.translation = Eigen::Vector3d(p[0], p[1], p[2]);
-  pose.rotation = rotation_from_rpy(p[3] * kRadPerDeg, p[4] * kRadPerDeg, p[5] * kRadPerDeg);
-  return pose;
+  return pose_from_degrees(config.initial_pose);
 }
 
 /// The front end states no covariance of the motion to its first scan, because none led there.

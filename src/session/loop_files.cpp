@@ -11,7 +11,6 @@
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/rotations.hpp"
-#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::session {
 
@@ -61,15 +60,6 @@ LoopVerdict newest_verdict(const Loop& loop, const Verdicts& verdicts) {
   return found == verdicts.end() ? LoopVerdict{} : found->second;
 }
 
-Pose pose_of(const std::vector<double>& numbers) {
-  Pose pose;
-  pose.translation = {numbers[0], numbers[1], numbers[2]};
-  if (numbers.size() < 6) return pose;
-  pose.rotation =
-      rotation_from_rpy(numbers[3] * kRadPerDeg, numbers[4] * kRadPerDeg, numbers[5] * kRadPerDeg);
-  return pose;
-}
-
 /// Throws InputError for a word that is no index of a key frame.
 double index_of(const std::string& word) {
   const double number = finite_number(word);
@@ -93,7 +83,7 @@ LoopEdit edit_of(const std::string& line) {
   }
   edit.from = static_cast<KeyFrameIndex>(std::min(numbers[0], numbers[1]));
   edit.to = static_cast<KeyFrameIndex>(std::max(numbers[0], numbers[1]));
-  if (has_guess) edit.guess = pose_of({numbers.begin() + 2, numbers.end()});
+  if (has_guess) edit.guess = pose_from_degrees({numbers.begin() + 2, numbers.end()});
   if (has_guess && numbers[0] > numbers[1]) edit.guess = edit.guess->inverse();
   return edit;
 }

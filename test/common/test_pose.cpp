@@ -120,5 +120,12 @@ TEST(Rotations, AreAboutTheFixedAxesInTheOrderRollPitchYaw) {
   EXPECT_LT(rotation_angle(rotation_about_z(0.9).conjugate() * exp_so3({0.0, 0.0, 0.9})), 1e-12);
 }
 
+TEST(Rotations, AndAPositionAreWrittenInMetresAndDegrees) {
+  const Pose pose = pose_from_degrees({1.0, 2.0, 3.0, 0.0, 0.0, 90.0});
+  EXPECT_EQ(pose.translation, Eigen::Vector3d(1.0, 2.0, 3.0));
+  EXPECT_NEAR(yaw_of(pose.rotation), M_PI / 2.0, 1e-12);
+  EXPECT_EQ(rotation_angle(pose_from_degrees({1.0, 2.0, 3.0}).rotation), 0.0);
+}
+
 }  // namespace
 }  // namespace lidar_mapping

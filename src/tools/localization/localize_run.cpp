@@ -10,7 +10,6 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pipeline/recorded_odometry.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
 
@@ -29,12 +28,8 @@ constexpr int kStoppedEarly = 3;
 constexpr int kNeverFound = 5;
 
 std::optional<Pose> initial_pose_of(const LocalizingOptions& options) {
-  const std::vector<double>& p = options.initial_pose;
-  if (p.empty()) return std::nullopt;
-  Pose pose;
-  pose.translation = Eigen::Vector3d(p[0], p[1], p[2]);
-  pose.rotation = rotation_from_rpy(p[3] * kRadPerDeg, p[4] * kRadPerDeg, p[5] * kRadPerDeg);
-  return pose;
+  if (options.initial_pose.empty()) return std::nullopt;
+  return pose_from_degrees(options.initial_pose);
 }
 
 /// Localises scans one after the other.
