@@ -10,8 +10,6 @@ namespace lidar_mapping {
 
 namespace {
 
-constexpr Stamp kSecond = 1'000'000'000;  // ns
-
 /// A way to write a date, and how long what it names lasts, s.
 struct DateFormat {
   const char* format;
@@ -25,7 +23,7 @@ bool is_end(const char* rest) { return *rest == '\0' || std::string(rest) == "Z"
 }  // namespace
 
 std::string iso_date(Stamp stamp) {
-  const auto seconds = static_cast<std::time_t>(stamp / kSecond);
+  const auto seconds = static_cast<std::time_t>(stamp / kNanosecondsPerSecond);
   std::tm parts{};
   gmtime_r(&seconds, &parts);
   std::array<char, 40> text{};
@@ -41,7 +39,7 @@ Stamp end_of_date(const std::string& text) {
     const int day = parts.tm_mday;
     const auto begin = static_cast<Stamp>(timegm(&parts));
     if (parts.tm_mday != day) break;  // 31 April became 1 May
-    return (begin + known.seconds) * kSecond - 1;
+    return (begin + known.seconds) * kNanosecondsPerSecond - 1;
   }
   throw InputError("'" + text +
                    "' is not a date; write it as 2026-05-01 or 2026-05-01T12:00 (UTC)");

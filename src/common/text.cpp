@@ -5,6 +5,7 @@
 #include <cstdarg>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 
 namespace lidar_mapping {
 
@@ -33,6 +34,13 @@ std::string lower_case(std::string text) {
     letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   }
   return text;
+}
+
+std::string seconds_text(Stamp stamp) {
+  const Stamp magnitude = std::abs(stamp);
+  return formatted("%s%lld.%09lld", stamp < 0 ? "-" : "",
+                   static_cast<long long>(magnitude / kNanosecondsPerSecond),
+                   static_cast<long long>(magnitude % kNanosecondsPerSecond));
 }
 
 }  // namespace lidar_mapping

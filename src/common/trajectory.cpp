@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -15,7 +14,6 @@ namespace lidar_mapping {
 
 namespace {
 
-constexpr Stamp kNanoseconds = 1'000'000'000;
 constexpr std::size_t kTumColumns = 8;     // time x y z qx qy qz qw, by the TUM RGB-D benchmark
 constexpr std::size_t kKittiColumns = 12;  // 3 x 4 matrix by rows, by the KITTI odometry benchmark
 
@@ -28,7 +26,7 @@ Stamp parse_seconds(const std::string& text) {
   std::string fraction = point == std::string::npos ? "" : text.substr(point + 1);
   fraction.resize(9, '0');
   const std::string whole = text.substr(0, point);
-  return (whole.empty() ? 0 : std::stoll(whole)) * kNanoseconds + std::stoll(fraction);
+  return (whole.empty() ? 0 : std::stoll(whole)) * kNanosecondsPerSecond + std::stoll(fraction);
 }
 
 std::vector<std::string> words_of(const std::string& line) {
@@ -100,13 +98,10 @@ std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory, double la
 std::string to_tum(const Trajectory& trajectory) {
   std::string text;
   for (const StampedPose& entry : trajectory.poses) {
-    const Stamp magnitude = std::abs(entry.stamp);
     const Eigen::Vector3d& t = entry.pose.translation;
     const Eigen::Quaterniond& q = entry.pose.rotation;
-    text += formatted("%s%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                      entry.stamp < 0 ? "-" : "", static_cast<long long>(magnitude / kNanoseconds),
-                      static_cast<long long>(magnitude % kNanoseconds), t.x(), t.y(), t.z(), q.x(),
-                      q.y(), q.z(), q.w());
+    text += seconds_text(entry.stamp) + formatted(" %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", t.x(),
+                                                  t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   }
   return text;
 }

@@ -127,10 +127,9 @@ Eigen::Quaterniond read_orientation(WordReader& words) {
 }
 
 Stamp read_stamp(WordReader& words) {
-  // The largest number of nanoseconds within a second, by definition.
-  constexpr double kNanoseconds = 999'999'999;
   const std::int64_t seconds = words.whole_number(kMaxTime);
-  return seconds * 1'000'000'000 + words.whole_number(kNanoseconds);
+  return seconds * kNanosecondsPerSecond +
+         words.whole_number(static_cast<double>(kNanosecondsPerSecond - 1));
 }
 
 void read_field(const std::string& name, WordReader& words, DumpedFrame& frame) {

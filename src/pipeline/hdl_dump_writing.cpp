@@ -97,9 +97,8 @@ class DumpWriter {
     const fs::path folder = directory_ / formatted("%06zu", number);
     fs::create_directory(folder);
     write_file(folder / "data", [&](std::ostream& data) {
-      constexpr Stamp kNanoseconds = 1'000'000'000;
-      data << "stamp " << key_frame.stamp / kNanoseconds << " " << key_frame.stamp % kNanoseconds
-           << "\nestimate\n"
+      data << "stamp " << key_frame.stamp / kNanosecondsPerSecond << " "
+           << key_frame.stamp % kNanosecondsPerSecond << "\nestimate\n"
            << T_map_base.matrix() << "\nodom\n"
            << key_frame.T_odom_base.matrix() << "\naccum_distance " << travelled << "\n";
       write_measurements(key_frame.stamp, data);

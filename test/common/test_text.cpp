@@ -28,5 +28,11 @@ TEST(Text, JoinsWithASeparator) {
 
 TEST(Text, LowerCase) { EXPECT_EQ(lower_case("GemanMcClure 2_A"), "gemanmcclure 2_a"); }
 
+TEST(Text, SecondsHaveAllDigitsOfTheStamp) {
+  EXPECT_EQ(seconds_text(1'700'000'000'000'000'005), "1700000000.000000005");
+  EXPECT_EQ(seconds_text(0), "0.000000000");
+  EXPECT_EQ(seconds_text(-5), "-0.000000005");
+}
+
 }  // namespace
 }  // namespace lidar_mapping

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/common/stamp.hpp"
+
 namespace lidar_mapping {
 
 /// A text of any length, formatted like printf() does it.
@@ -14,5 +16,8 @@ std::string joined(const std::vector<std::string>& parts, const std::string& sep
 
 /// The text with the letters A to Z in lower case.
 std::string lower_case(std::string text);
+
+/// The seconds of a stamp with all nine decimals, so that it comes back from a file exactly.
+std::string seconds_text(Stamp stamp);
 
 }  // namespace lidar_mapping

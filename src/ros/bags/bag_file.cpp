@@ -17,9 +17,8 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 constexpr char kVersion[] = "#ROSBAG V2.0\n";
-constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // by definition: without the zero
-constexpr std::size_t kAnyVersionLength = 9;                    // by the format: "#ROSBAG V"
-constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
+constexpr std::size_t kVersionLength = sizeof kVersion - 1;  // by definition: without the zero
+constexpr std::size_t kAnyVersionLength = 9;                 // by the format: "#ROSBAG V"
 // Bytes that are requested from the disk in advance. Chosen: some chunks of a bag.
 constexpr std::uint64_t kAhead = 8'000'000;
 
@@ -41,7 +40,8 @@ Number number_at(const std::uint8_t* bytes) {
 
 /// Times are written as seconds and nanoseconds.
 Stamp time_at(const std::uint8_t* bytes) {
-  return from_seconds(1.0) * number_at<std::uint32_t>(bytes) + number_at<std::uint32_t>(bytes + 4);
+  return kNanosecondsPerSecond * number_at<std::uint32_t>(bytes) +
+         number_at<std::uint32_t>(bytes + 4);
 }
 
 using HeaderFields = std::map<std::string, std::string>;

@@ -22,9 +22,8 @@ std::uint64_t McapReader::number(std::size_t size) {
 }
 
 Stamp McapReader::time() {
-  constexpr std::uint64_t kNanoseconds = 1'000'000'000;  // of a second, by definition
   const std::uint64_t time = u64();
-  if (time / kNanoseconds > std::numeric_limits<std::uint32_t>::max()) {
+  if (time / kNanosecondsPerSecond > std::numeric_limits<std::uint32_t>::max()) {
     throw InputError("a time does not fit into a time of ROS");
   }
   return static_cast<Stamp>(time);

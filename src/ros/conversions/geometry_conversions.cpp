@@ -11,7 +11,6 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-constexpr Stamp kNanosecondsPerSecond = 1000000000;
 /// By how much the length of a quaternion may differ from 1. Chosen: far above rounding to float
 /// and to the digits of a file, far below the difference of four numbers that are no rotation.
 constexpr double kQuaternionTolerance = 1e-2;

@@ -25,13 +25,6 @@ constexpr const char* kHeadOnEarth = ",latitude_deg,longitude_deg,altitude_m,eas
 constexpr const char* kNoPose = ",,,,,,,,,,,,,";
 constexpr const char* kNoPlaceOnEarth = ",,,,,";
 
-/// Seconds with all digits of the stamp.
-std::string seconds_text(Stamp stamp) {
-  constexpr Stamp kSecond = 1'000'000'000;  // ns, by definition
-  return formatted("%lld.%09lld", static_cast<long long>(stamp / kSecond),
-                   static_cast<long long>(stamp % kSecond));
-}
-
 std::string pose_cells(const LocalizationResult& result) {
   const Eigen::Vector3d& p = result.T_map_base.translation;
   const Eigen::Quaterniond& q = result.T_map_base.rotation;
