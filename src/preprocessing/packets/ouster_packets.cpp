@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -42,13 +43,6 @@ constexpr std::size_t kMost = 10'000;
 /// Latest time of a column or of the IMU, ns. Chosen: 146 years, so that sums of times do not
 /// overflow.
 constexpr std::uint64_t kLastTime = std::uint64_t{1} << 62U;
-
-template <typename Number>
-Number number_at(const std::uint8_t* bytes) {
-  Number number;
-  std::memcpy(&number, bytes, sizeof number);
-  return number;
-}
 
 Stamp stamp_at(const std::uint8_t* bytes) {
   return static_cast<Stamp>(number_at<std::uint64_t>(bytes));

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_bytes.hpp"
 
 #include "bags/bag_chunk.hpp"
 #include "bags/file_bytes.hpp"
@@ -30,13 +31,6 @@ enum Operation : std::uint8_t {
   kChunkInfo = 6,
   kConnection = 7
 };
-
-template <typename Number>
-Number number_at(const std::uint8_t* bytes) {
-  Number number;
-  std::memcpy(&number, bytes, sizeof number);
-  return number;
-}
 
 /// Times are written as seconds and nanoseconds.
 Stamp time_at(const std::uint8_t* bytes) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_bytes.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -91,8 +92,7 @@ class Transcoder {
   std::uint32_t read_length() {
     align(kLength);
     if (data_.size - at_ < kLength) fail();
-    std::uint32_t length = 0;
-    std::memcpy(&length, data_.first + at_, kLength);
+    const auto length = number_at<std::uint32_t>(data_.first + at_);
     at_ += kLength;
     return length;
   }

@@ -94,9 +94,9 @@ PointCloud from_message(const sensor_msgs::PointCloud2& message) {
   cloud.points.reserve(count);
   if (time) cloud.times.reserve(count);
   for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
-    const Point point{read<float>(in + x), read<float>(in + y), read<float>(in + z),
-                      intensity ? read<float>(in + *intensity) : 0.0F};
-    const float t = time ? read<float>(in + *time) : 0.0F;
+    const Point point{number_at<float>(in + x), number_at<float>(in + y), number_at<float>(in + z),
+                      intensity ? number_at<float>(in + *intensity) : 0.0F};
+    const float t = time ? number_at<float>(in + *time) : 0.0F;
     if (!point.position().allFinite() || !std::isfinite(t)) return;
     cloud.points.push_back(point);
     if (time) cloud.times.push_back(t);

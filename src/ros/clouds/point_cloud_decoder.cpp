@@ -49,7 +49,7 @@ preprocessing::TimeSpan read_counts(const CloudView& message, const PointField& 
   const std::uint8_t* in = message.first + field.offset;
   preprocessing::fill_by_blocks(count, times, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i, in += message.point_step) {
-      times[i] = static_cast<float>(read<std::uint32_t>(in));
+      times[i] = static_cast<float>(number_at<std::uint32_t>(in));
     }
     finder.add(&times[begin], end - begin);
   });

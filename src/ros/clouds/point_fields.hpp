@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 
+#include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/ros/cloud_view.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -61,37 +61,30 @@ void for_each_point(const CloudView& message, const Body& body) {
   }
 }
 
-template <typename Number>
-Number read(const std::uint8_t* address) {
-  Number value;
-  std::memcpy(&value, address, sizeof value);
-  return value;
-}
-
 /// Calls body(read) with the function that reads numbers of this type.
 template <typename Body>
 void with_reader(std::uint8_t datatype, const Body& body) {
   switch (datatype) {
     case sensor_msgs::PointField::INT8:
-      return body(&read<std::int8_t>);
+      return body(&number_at<std::int8_t>);
     case sensor_msgs::PointField::UINT8:
-      return body(&read<std::uint8_t>);
+      return body(&number_at<std::uint8_t>);
     case sensor_msgs::PointField::INT16:
-      return body(&read<std::int16_t>);
+      return body(&number_at<std::int16_t>);
     case sensor_msgs::PointField::UINT16:
-      return body(&read<std::uint16_t>);
+      return body(&number_at<std::uint16_t>);
     case sensor_msgs::PointField::INT32:
-      return body(&read<std::int32_t>);
+      return body(&number_at<std::int32_t>);
     case sensor_msgs::PointField::UINT32:
-      return body(&read<std::uint32_t>);
+      return body(&number_at<std::uint32_t>);
     case kPclInt64:
-      return body(&read<std::int64_t>);
+      return body(&number_at<std::int64_t>);
     case kPclUint64:
-      return body(&read<std::uint64_t>);
+      return body(&number_at<std::uint64_t>);
     case sensor_msgs::PointField::FLOAT32:
-      return body([](const std::uint8_t* address) { return read<float>(address); });
+      return body([](const std::uint8_t* address) { return number_at<float>(address); });
     default:
-      return body(&read<double>);
+      return body(&number_at<double>);
   }
 }
 

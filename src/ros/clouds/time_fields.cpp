@@ -81,7 +81,7 @@ std::optional<TimeFields> time_fields(const CloudView& message) {
   return std::nullopt;
 }
 
-double number_at(std::uint8_t datatype, const std::uint8_t* address) {
+double number_of_type(std::uint8_t datatype, const std::uint8_t* address) {
   double result = 0.0;
   with_reader(datatype, [&](const auto& number) { result = static_cast<double>(number(address)); });
   return result;
@@ -90,7 +90,7 @@ double number_at(std::uint8_t datatype, const std::uint8_t* address) {
 double time_base(const CloudView& message, const TimeFields& fields) {
   if (fields.second == nullptr) return 0.0;
   const std::uint8_t* first = message.first + fields.first->offset;
-  const double base = number_at(fields.first->datatype, first) * fields.first_scale;
+  const double base = number_of_type(fields.first->datatype, first) * fields.first_scale;
   return std::isfinite(base) ? base : 0.0;
 }
 

@@ -25,7 +25,7 @@ struct TimeFields {
 std::optional<TimeFields> time_fields(const CloudView& message);
 
 /// The number of that type at an address.
-double number_at(std::uint8_t datatype, const std::uint8_t* address);
+double number_of_type(std::uint8_t datatype, const std::uint8_t* address);
 
 /// The larger part of the first point's time, from which those of all points are counted, so that
 /// they keep their digits; 0 for a time in one field, and where it is not finite.
@@ -45,8 +45,9 @@ void for_each_time(const CloudView& message, const TimeFields& fields, double ba
   }
   const sensor_msgs::PointField& second = *fields.second;
   for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
-    const double whole = number_at(first.datatype, in + first.offset) * fields.first_scale - base;
-    body(whole + number_at(second.datatype, in + second.offset) * fields.second_scale, i);
+    const double whole =
+        number_of_type(first.datatype, in + first.offset) * fields.first_scale - base;
+    body(whole + number_of_type(second.datatype, in + second.offset) * fields.second_scale, i);
   });
 }
 
