@@ -58,9 +58,7 @@ bool KeyFrameMaker::is_due(Stamp stamp, bool has_times, const TrackedScan& track
 
 PointCloud KeyFrameMaker::points_of(const PointCloud& cloud, const TrackedScan& tracked) {
   PointCloud points = thinned(cloud);
-  if (tracked.elevation_shift == 0.0) return points;
-  const ElevationShift shift(tracked.elevation_shift);
-  for (Point& p : points.points) shift(p.x, p.y, p.z);
+  rotate_upwards(points, tracked.elevation_shift);
   return points;
 }
 

@@ -87,12 +87,6 @@ std::vector<Stamp> read_times(const fs::path& path) {
 
 std::vector<Point> read_points(const std::string& path) { return read_array<Point>(path); }
 
-Point rotated_upwards(const Point& point, double angle) {
-  Point result = point;
-  ElevationShift{angle}(result.x, result.y, result.z);
-  return result;
-}
-
 KittiFolder::KittiFolder(const std::string& path, const KittiReadOptions& options)
     : path_(path),
       options_(options),
@@ -115,9 +109,7 @@ Scan KittiFolder::scan(std::size_t index) const {
                       " times for " + std::to_string(cloud.size()) + " points");
     }
   }
-  if (options_.elevation_correction != 0.0) {
-    for (Point& point : cloud.points) point = rotated_upwards(point, options_.elevation_correction);
-  }
+  rotate_upwards(cloud, options_.elevation_correction);
   return scan;
 }
 

@@ -24,10 +24,7 @@ constexpr std::size_t kScans = 4;
 PointCloud corrected(const preprocessing::SyncedScan& synced,
                      const front_end::FrontEndResult& result) {
   PointCloud cloud = synced.scan.cloud;
-  if (result.status.elevation_shift != 0.0) {
-    const ElevationShift shift(result.status.elevation_shift);
-    for (Point& p : cloud.points) shift(p.x, p.y, p.z);
-  }
+  rotate_upwards(cloud, result.status.elevation_shift);
   return front_end::deskewed(transformed(cloud, synced.T_base_lidar), result.twist,
                              result.acceleration);
 }

@@ -19,13 +19,6 @@ namespace {
 // other sensors are delayed, and preprocessing has to initialise
 constexpr Stamp kTimeMargin = from_seconds(20.0);
 
-/// Corrects the elevations before deskewing, as the front end does with key frames.
-void rotate_upwards(PointCloud& cloud, double elevation_shift) {
-  if (elevation_shift == 0.0) return;
-  const ElevationShift shift(elevation_shift);
-  for (Point& p : cloud.points) shift(p.x, p.y, p.z);
-}
-
 /// Receives preprocessed scans, and adds those that are selected.
 class ScanCollector {
  public:
@@ -43,6 +36,7 @@ class ScanCollector {
     Vector6d acceleration = found->acceleration;
     // The rotation is already uniform due to the gyro (preprocessing::SyncedScan).
     if (synced.imu && synced.imu->has_angular_velocity) acceleration.tail<3>().setZero();
+    // Before deskewing, as the front end does with key frames.
     rotate_upwards(synced.scan.cloud, found->elevation_shift);
     const PointCloud deskewed_cloud =
         front_end::deskewed(transformed(synced.scan.cloud, synced.T_base_lidar), found->twist,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
@@ -218,7 +219,7 @@ class Preprocessor::Impl {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
-      correct_vertical_angle(cloud, config_.vertical_angle_correction_deg * kRadPerDeg);
+      rotate_upwards(cloud, config_.vertical_angle_correction_deg * kRadPerDeg);
     }
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {

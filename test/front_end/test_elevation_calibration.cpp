@@ -22,8 +22,7 @@ simulation::Drive town(double duration) { return make_drive("town", duration, 3,
 /// In base_link, of a sensor that reports all elevations too low by `angle`.
 Scan lowered_scan(const simulation::Drive& drive, std::size_t index, double angle) {
   simulation::SimulatedScan scan = drive.scan(index);
-  const ElevationShift shift(-angle);
-  for (Point& p : scan.cloud.points) shift(p.x, p.y, p.z);
+  rotate_upwards(scan.cloud, -angle);
   return {scan.stamp, transformed(scan.cloud, drive.mounting().T_base_lidar)};
 }
 

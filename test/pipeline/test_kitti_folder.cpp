@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -79,16 +78,6 @@ TEST_F(KittiFolderTest, RejectsInconsistentFiles) {
   EXPECT_THROW(KittiFolder(path()).scan(0), FileError);
   write_text("times.txt", "");
   EXPECT_THROW(KittiFolder{path()}, FileError);
-}
-
-TEST(RotatedUpwards, RotatesPointInItsVerticalPlane) {
-  const double angle = 0.1;
-  const Point point{3.0F, -4.0F, -1.0F, 0.7F};
-  const Point up = rotated_upwards(point, angle);
-  EXPECT_NEAR(std::atan2(up.y, up.x), std::atan2(point.y, point.x), 1e-6);
-  EXPECT_NEAR(std::atan2(up.z, std::hypot(up.x, up.y)), std::atan2(-1.0, 5.0) + angle, 1e-6);
-  EXPECT_NEAR(up.position().norm(), point.position().norm(), 1e-5);
-  EXPECT_EQ(up.intensity, point.intensity);
 }
 
 }  // namespace

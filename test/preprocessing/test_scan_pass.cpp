@@ -110,23 +110,6 @@ TEST(ScanPass, RemovesTheVehicleForAnySensorPose) {
   EXPECT_EQ(cloud.points[1].position(), raw.points[3].position());
 }
 
-TEST(ScanPass, CorrectsTheVerticalAngle) {
-  PointCloud cloud = random_cloud(3, 100, 30.0F);
-  const PointCloud raw = cloud;
-  const double angle = 0.205 * M_PI / 180.0;
-  correct_vertical_angle(cloud, angle);
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    const Eigen::Vector3d before = raw.points[i].position().cast<double>();
-    const Eigen::Vector3d after = cloud.points[i].position().cast<double>();
-    const auto elevation = [](const Eigen::Vector3d& p) {
-      return std::atan2(p.z(), p.head<2>().norm());
-    };
-    EXPECT_NEAR(after.norm(), before.norm(), 1e-4);
-    EXPECT_NEAR(elevation(after) - elevation(before), angle, 1e-5);
-    EXPECT_NEAR(std::atan2(after.y(), after.x()), std::atan2(before.y(), before.x()), 1e-5);
-  }
-}
-
 TEST(ScanTimes, FollowTheAzimuthInBothDirections) {
   for (const ScanDirection direction :
        {ScanDirection::kClockwise, ScanDirection::kCounterclockwise}) {

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/point_cloud.hpp"
+
 namespace lidar_mapping {
 
 /// Turns points upwards by an angle (rad) about the horizontal axis that is normal to their beam,
@@ -27,5 +29,12 @@ class ElevationShift {
   float cosine_;
   float sine_;
 };
+
+/// Turns all points of a cloud so, in place; an angle of zero leaves them as they are, bit for bit.
+inline void rotate_upwards(PointCloud& cloud, double angle) {
+  if (angle == 0.0) return;
+  const ElevationShift shift(angle);
+  for (Point& p : cloud.points) shift(p.x, p.y, p.z);
+}
 
 }  // namespace lidar_mapping

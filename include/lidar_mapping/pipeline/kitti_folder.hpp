@@ -53,7 +53,4 @@ std::vector<Stamp> read_times(const std::filesystem::path& path);
 /// Reads the points of a .bin file. Throws FileError like KittiFolder::scan().
 std::vector<Point> read_points(const std::string& path);
 
-/// The point rotated upwards by `angle` (rad) about the horizontal axis across its beam.
-Point rotated_upwards(const Point& point, double angle);
-
 }  // namespace lidar_mapping::pipeline

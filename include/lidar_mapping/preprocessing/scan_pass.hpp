@@ -42,9 +42,6 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
 /// Refers to the cloud's own points, which have to outlive the result.
 PackedPoints packed_in(const PointCloud& cloud);
 
-/// Rotates every point upwards by `angle` (rad) about the horizontal axis normal to its beam.
-void correct_vertical_angle(PointCloud& cloud, double angle);
-
 /// Sets the time of each point, in seconds since the scan's start, from its azimuth in the sensor's
 /// frame. The sensor makes one turn per `scan_period`.
 void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config);

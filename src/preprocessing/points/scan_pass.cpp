@@ -7,7 +7,6 @@
 #include <limits>
 #include <vector>
 
-#include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "points/move_kernel.hpp"
@@ -136,11 +135,6 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
   cloud.points.resize(result.kept);
   cloud.times.resize(keeps_times ? result.kept : 0);
   return result.not_finite;
-}
-
-void correct_vertical_angle(PointCloud& cloud, double angle) {
-  const ElevationShift shift(angle);
-  for (Point& p : cloud.points) shift(p.x, p.y, p.z);
 }
 
 void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config) {
