@@ -15,13 +15,6 @@ constexpr int kCoarseFactor = 3;
 /// Share of the fine voxels for which the coarse table has room. Chosen: a surface has a ninth.
 constexpr std::size_t kCoarseShare = 4;
 
-/// As in the front end: the planes of large voxels are thick.
-registration::PlaneModel coarse_model() {
-  registration::PlaneModel model;
-  model.sigma = 0.1;
-  return model;
-}
-
 /// Memory of a table, which has a power of two of slots.
 std::size_t table_bytes(std::size_t capacity) {
   std::size_t slots = 1;
@@ -55,7 +48,8 @@ Coordinates near_points(const PointCloud& cloud, const Pose& T_origin_base,
 MapSurfaces::MapSurfaces(std::size_t capacity)
     : bytes_(table_bytes(capacity) + table_bytes(capacity / kCoarseShare)),
       fine_(kFineEdge, capacity),
-      coarse_(kCoarseFactor * kFineEdge, capacity / kCoarseShare, coarse_model()) {}
+      coarse_(kCoarseFactor * kFineEdge, capacity / kCoarseShare,
+              registration::PlaneModel::coarse()) {}
 
 void MapSurfaces::insert(const PointCloud& cloud, const Pose& T_map_base,
                          const Eigen::Vector3d& p_base_lidar) {

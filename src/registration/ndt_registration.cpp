@@ -16,18 +16,9 @@ namespace {
 constexpr double kGoodInliers = 0.7;
 // Edges of the voxels of all levels, in those of the finest; the finest is the last one.
 constexpr double kLevels[] = {4.0, 2.0, 1.0};
-// m, standard deviation of planes of large voxels, which are thick. Chosen: distant points then
-// still have weight.
-constexpr double kCoarseSigma = 0.1;
 // Information of a twist of zero, (m/s)^-2 and (rad/s)^-2: clouds without times do not determine a
 // twist. Chosen: 1 mm/s is as good as none.
 constexpr double kTwistInformation = 1e6;
-
-PlaneModel model_of(double level) {
-  PlaneModel model;
-  if (level > 1.0) model.sigma = kCoarseSigma;
-  return model;
-}
 
 NdtPoints points_of(const PclCloud& cloud) {
   std::vector<float> x, y, z;
@@ -55,7 +46,8 @@ class NdtRegistration : public Registration {
     levels_.clear();
     if (cloud->size() < kLeastPoints) return;
     for (const double level : kLevels) {
-      levels_.push_back(voxel_target(*cloud, level * config_.resolution, model_of(level)));
+      levels_.push_back(voxel_target(*cloud, level * config_.resolution,
+                                     level > 1.0 ? PlaneModel::coarse() : PlaneModel()));
     }
     tree_.setInputCloud(cloud);
   }

@@ -34,6 +34,14 @@ struct PlaneModel {
   /// Thickness to breadth: up to this, what isolated rings hit is a plane.
   double thin_ratio = 0.1;
   double thick_ratio = 0.3;  ///< thickness to breadth: from this on it is a bush
+
+  /// Of voxels of several metres, whose planes are thick. Its sigma (m) is chosen so that the
+  /// weight of a distant point still depends on its distance.
+  static PlaneModel coarse() {
+    PlaneModel model;
+    model.sigma = 0.1;
+    return model;
+  }
 };
 
 /// Plane of a voxel, scaled so that normal . p - offset is the distance of p in standard

@@ -24,14 +24,6 @@ constexpr double kAgeingFraction = 1.0 / 64.0;
 /// exact to 0.02 mm.
 constexpr double kOriginStep = 64.0;
 
-/// The planes of large voxels are thick. With a larger sigma the weight of a point still depends on
-/// its distance.
-registration::PlaneModel coarse_model() {
-  registration::PlaneModel model;
-  model.sigma = 0.1;
-  return model;
-}
-
 void insert_thinned(SampledPoints& points, std::size_t thinning,
                     registration::GaussianVoxelMap& map) {
   std::size_t kept = 0;
@@ -82,7 +74,7 @@ void transform_points(const SampledPoints& points, const registration::MotionSta
 LocalMap::LocalMap(double voxel_size, double radius)
     : radius_(radius),
       fine_(voxel_size, kFineCapacity),
-      coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, coarse_model()) {}
+      coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, registration::PlaneModel::coarse()) {}
 
 void LocalMap::restart(double voxel_size) {
   const Eigen::Vector3d origin = fine_.origin();
