@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "campaign_case.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -48,7 +47,7 @@ std::string text_of(double value) {
 void check_imu(const std::string& value) {
   std::vector<std::string> names = simulation::imu_names();
   names.insert(names.begin(), "none");
-  if (std::find(names.begin(), names.end(), value) != names.end()) return;
+  if (contains(names, value)) return;
   throw ConfigError("case: imu=" + value + "; use one of " + joined(names, " "));
 }
 

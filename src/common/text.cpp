@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/text.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <cstdarg>
 #include <cstddef>
@@ -27,6 +28,10 @@ std::string joined(const std::vector<std::string>& parts, const std::string& sep
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : separator) + part;
   return text;
+}
+
+bool contains(const std::vector<std::string>& texts, const std::string& text) {
+  return std::find(texts.begin(), texts.end(), text) != texts.end();
 }
 
 std::string lower_case(std::string text) {

@@ -24,10 +24,6 @@ namespace lidar_mapping::map {
 
 namespace {
 
-bool contains(const std::string& format, const std::vector<std::string>& formats) {
-  return std::find(formats.begin(), formats.end(), format) != formats.end();
-}
-
 /// The names in lower case. Throws InputError for an unknown one, and one that cannot be written.
 std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
   std::vector<std::string> result;
@@ -189,7 +185,7 @@ class ProductWriter {
   }
 
  private:
-  bool is_selected(const std::string& format) const { return contains(format, options_.formats); }
+  bool is_selected(const std::string& format) const { return contains(options_.formats, format); }
 
   std::filesystem::path ept_folder() const { return directory_ / "ept"; }
 
@@ -444,7 +440,7 @@ Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const M
                         const std::filesystem::path& directory) {
   ProductOptions options = requested_options;
   options.formats = known_formats(requested_options.formats);
-  if (contains("grid", options.formats)) grid_cell(config);
+  if (contains(options.formats, "grid")) grid_cell(config);
   if (options.utm && !options.datum) {
     throw InputError(
         "the place of the map on Earth is not known, as there was no GNSS; leave UTM out");

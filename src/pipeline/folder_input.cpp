@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
@@ -27,10 +28,7 @@ constexpr Stamp kLastPlausibleTime = 9'000'000'000;
 std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& endings) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string ending = entry.path().extension();
-    if (std::find(endings.begin(), endings.end(), ending) != endings.end()) {
-      files.push_back(entry.path());
-    }
+    if (contains(endings, entry.path().extension())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -26,6 +26,12 @@ TEST(Text, JoinsWithASeparator) {
   EXPECT_EQ(joined({"one", "two"}, "\n"), "one\ntwo");
 }
 
+TEST(Text, IsOneOfSeveral) {
+  EXPECT_TRUE(contains({"pcd", "ply"}, "ply"));
+  EXPECT_FALSE(contains({"pcd", "ply"}, "las"));
+  EXPECT_FALSE(contains({}, ""));
+}
+
 TEST(Text, LowerCase) { EXPECT_EQ(lower_case("GemanMcClure 2_A"), "gemanmcclure 2_a"); }
 
 TEST(Text, SecondsHaveAllDigitsOfTheStamp) {

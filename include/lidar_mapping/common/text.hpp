@@ -14,6 +14,9 @@ std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 
 /// The parts one after the other, with `separator` between them.
 std::string joined(const std::vector<std::string>& parts, const std::string& separator = ", ");
 
+/// Whether a text is one of several.
+bool contains(const std::vector<std::string>& texts, const std::string& text);
+
 /// The text with the letters A to Z in lower case.
 std::string lower_case(std::string text);
 

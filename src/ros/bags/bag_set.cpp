@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "inputs/ouster_topics.hpp"
 
@@ -58,7 +59,7 @@ BagSet::BagSet(std::vector<std::string> paths) : paths_(std::move(paths)) {
 
 bool BagSet::has(const std::string& topic, const std::vector<std::string>& types) const {
   return std::any_of(topics_.begin(), topics_.end(), [&](const BagTopic& there) {
-    return there.name == topic && std::find(types.begin(), types.end(), there.type) != types.end();
+    return there.name == topic && contains(types, there.type);
   });
 }
 

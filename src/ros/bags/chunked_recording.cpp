@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/chunked_recording.hpp"
 
-#include <algorithm>
+#include "lidar_mapping/common/text.hpp"
 
 #include "bags/bag_file.hpp"
 #include "bags/mcap_file.hpp"
@@ -9,7 +9,7 @@
 namespace lidar_mapping::ros_border {
 
 bool is_wanted(const std::string& topic, const WantedTopics& wanted) {
-  return !wanted || std::find(wanted->begin(), wanted->end(), topic) != wanted->end();
+  return !wanted || contains(*wanted, topic);
 }
 
 std::unique_ptr<ChunkedRecording> open_chunked(const std::string& path,

@@ -18,9 +18,7 @@ std::string candidates(const OptionalInput& input, const std::vector<PublishedTo
                        const std::set<std::string>& own) {
   std::vector<std::string> list;
   for (const PublishedTopic& other : published) {
-    const bool fits =
-        std::find(input.types.begin(), input.types.end(), other.type) != input.types.end();
-    if (!fits || own.count(other.name) > 0) continue;
+    if (!contains(input.types, other.type) || own.count(other.name) > 0) continue;
     list.push_back(other.name + " (" + other.type + ")");
   }
   return joined(list);

@@ -9,14 +9,6 @@
 
 namespace lidar_mapping::ros_border {
 
-namespace {
-
-bool contains(const std::vector<std::string>& types, const std::string& type) {
-  return std::find(types.begin(), types.end(), type) != types.end();
-}
-
-}  // namespace
-
 std::string why_silent(const std::string& topic, const std::vector<std::string>& types,
                        const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own, const std::string& remedy) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
-#include <algorithm>
-
 #include <sensor_msgs/NavSatStatus.h>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
@@ -19,10 +18,6 @@ std::string type_of() {
 
 VelocitySample velocity(const std_msgs::Header& header, const geometry_msgs::Twist& twist) {
   return {from_ros(header.stamp), from_message(twist.linear), from_message(twist.angular)};
-}
-
-bool contains(const std::vector<std::string>& types, const std::string& type) {
-  return std::find(types.begin(), types.end(), type) != types.end();
 }
 
 }  // namespace

@@ -70,8 +70,7 @@ void split_points(SensorTopics& wanted) {
   for (std::string name; std::getline(names, name, ',');) {
     name.erase(0, name.find_first_not_of(' '));
     if (name.empty()) continue;
-    const auto& others = wanted.other_points;
-    if (name == wanted.points || std::find(others.begin(), others.end(), name) != others.end()) {
+    if (name == wanted.points || contains(wanted.other_points, name)) {
       throw InputError("--points names " + name + " twice; name each LiDAR once");
     }
     if (wanted.points.empty()) {
@@ -94,9 +93,7 @@ const std::vector<std::string>& own_outputs() {
 }
 
 bool is_own_output(const std::string& topic) {
-  const std::vector<std::string>& own = own_outputs();
-  const std::string name = topic.substr(topic.find_last_of('/') + 1);
-  return std::find(own.begin(), own.end(), name) != own.end();
+  return contains(own_outputs(), topic.substr(topic.find_last_of('/') + 1));
 }
 
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic) {

@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
 #include "lidar_mapping/pipeline/session_marks.hpp"
@@ -92,9 +93,8 @@ KeyFramePoses until(Stamp last, KeyFramePoses poses) {
 
 void check_numbers(const MapOutput& output) {
   const MapConfig config = make_config(output, {});
-  const auto& formats = output.products.formats;
-  map::check_formats(formats);
-  if (std::find(formats.begin(), formats.end(), "grid") != formats.end()) map::grid_cell(config);
+  map::check_formats(output.products.formats);
+  if (contains(output.products.formats, "grid")) map::grid_cell(config);
 }
 
 KeyFramePoses key_frame_poses(const Session& session) {
