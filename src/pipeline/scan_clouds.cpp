@@ -6,7 +6,6 @@
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 
@@ -71,14 +70,6 @@ PointCloudPtr ScanClouds::cloud(KeyFrameIndex index) {
   cloud->points.resize(sizes_[index]);
   file_.read(begins_[index] * sizeof(Point), cloud->points.data(), sizes_[index] * sizeof(Point));
   return cloud;
-}
-
-std::vector<PointCloudPtr> ScanClouds::clouds(const std::vector<KeyFrameIndex>& indices,
-                                              int threads) {
-  std::vector<PointCloudPtr> found(indices.size());
-  parallel_chunks(indices.size(), 1, threads,
-                  [&](std::size_t i, std::size_t) { found[i] = cloud(indices[i]); });
-  return found;
 }
 
 KeyFramePoses add_scans(InputSource& recording, const std::vector<ScanPose>& scans,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/session/cloud_store.hpp"
 
-#include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::session {
@@ -30,14 +29,6 @@ PointCloudPtr CloudStore::cloud(KeyFrameIndex index) {
   } catch (const std::exception&) {
     return nullptr;
   }
-}
-
-std::vector<PointCloudPtr> CloudStore::clouds(const std::vector<KeyFrameIndex>& indices,
-                                              int threads) {
-  std::vector<PointCloudPtr> found(indices.size());
-  parallel_chunks(indices.size(), 1, threads,
-                  [&](std::size_t i, std::size_t) { found[i] = cloud(indices[i]); });
-  return found;
 }
 
 std::filesystem::path CloudStore::file(KeyFrameIndex index) const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/parallel.hpp"
 
 namespace lidar_mapping {
 
@@ -22,6 +23,18 @@ class CloudSource {
     std::vector<PointCloudPtr> found;
     found.reserve(indices.size());
     for (const KeyFrameIndex index : indices) found.push_back(cloud(index));
+    return found;
+  }
+};
+
+/// A source whose cloud() may be called by several threads at once.
+class ParallelCloudSource : public CloudSource {
+ public:
+  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
+                                    int threads) override {
+    std::vector<PointCloudPtr> found(indices.size());
+    parallel_chunks(indices.size(), 1, threads,
+                    [&](std::size_t i, std::size_t) { found[i] = cloud(indices[i]); });
     return found;
   }
 };

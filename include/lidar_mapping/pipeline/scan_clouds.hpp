@@ -15,7 +15,7 @@ namespace lidar_mapping::pipeline {
 
 /// Clouds that are stored in an unnamed temporary file, which disappears with the process. They are
 /// numbered in the order in which they were added.
-class ScanClouds : public CloudSource {
+class ScanClouds : public ParallelCloudSource {
  public:
   /// Creates the file in `directory`. Throws FileError.
   explicit ScanClouds(const std::filesystem::path& directory) : file_(directory) {}
@@ -26,8 +26,6 @@ class ScanClouds : public CloudSource {
   std::size_t size() const { return sizes_.size(); }
   /// The cloud of this number; null if there is none. Throws FileError.
   PointCloudPtr cloud(KeyFrameIndex index) override;
-  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
-                                    int threads) override;
 
  private:
   NamelessFile file_;

@@ -13,7 +13,7 @@ namespace lidar_mapping::session {
 
 /// Clouds of key frames in a folder, one file such as 000123.pcd for each. A cache of bounded size
 /// holds the clouds used last in memory. A file appears only when it is complete. Thread-safe.
-class CloudStore : public CloudSource {
+class CloudStore : public ParallelCloudSource {
  public:
   /// Default limit of the cache: 128 MiB, which are about 8 million points. Chosen: reading a cloud
   /// again is cheap, and the graph of a drive of 20 km takes as much.
@@ -26,9 +26,6 @@ class CloudStore : public CloudSource {
   void put(KeyFrameIndex index, const PointCloudPtr& cloud);
   /// The cloud of a key frame; null if its file is missing or damaged.
   PointCloudPtr cloud(KeyFrameIndex index) override;
-  /// The clouds of several key frames in the order of `indices`, read by `threads` threads.
-  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
-                                    int threads) override;
 
   /// Path of the file of a key frame, whether it exists or not.
   std::filesystem::path file(KeyFrameIndex index) const;
