@@ -380,8 +380,7 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
   if (!datum || datum_ == datum) return;
   datum_ = datum;
   sensor_msgs::NavSatFix message;
-  message.header.stamp = to_ros(stamp);
-  message.header.frame_id = config_.node.map_frame;
+  message.header = header_of(stamp, config_.node.map_frame);
   message.latitude = datum->latitude_deg;
   message.longitude = datum->longitude_deg;
   message.altitude = datum->altitude_m;

@@ -54,8 +54,7 @@ tf2_msgs::TFMessage extrinsics(const Options& options, Stamp stamp) {
 sensor_msgs::NavSatFix fix_at(const Eigen::Vector3d& p_enu, const Options& options, Stamp stamp) {
   const GeographicLib::LocalCartesian local(options.datum[0], options.datum[1], options.datum[2]);
   sensor_msgs::NavSatFix message;
-  message.header.stamp = ros_border::to_ros(stamp);
-  message.header.frame_id = kAntennaFrame;
+  message.header = ros_border::header_of(stamp, kAntennaFrame);
   message.status.status = sensor_msgs::NavSatStatus::STATUS_GBAS_FIX;
   message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
   local.Reverse(p_enu.x(), p_enu.y(), p_enu.z(), message.latitude, message.longitude,

@@ -165,14 +165,10 @@ TEST_F(PreprocessingNode, TakesTransformsOfAWheelOdometryAndSentencesOfAReceiver
   send_transform();
   for (int half_step = 0; half_step < 20; ++half_step) {
     const Stamp stamp = kBegin + half_step * kPeriod / 2;
-    geometry_msgs::TransformStamped wheels;
-    wheels.header.stamp = to_ros(stamp);
-    wheels.header.frame_id = "wheels";
-    wheels.child_frame_id = "base_link";
-    wheels.transform =
-        ros_border::to_transform(Pose{Eigen::Quaterniond::Identity(), {0.1 * half_step, 0.0, 0.0}});
+    const Pose T_wheels_base{Eigen::Quaterniond::Identity(), {0.1 * half_step, 0.0, 0.0}};
     tf2_msgs::TFMessage message;
-    message.transforms = {wheels};
+    message.transforms = {
+        ros_border::stamped_transform(T_wheels_base, stamp, "wheels", "base_link")};
     transforms.publish(message);
     ros_border::NmeaSentence sentence;
     sentence.header.stamp = to_ros(stamp);

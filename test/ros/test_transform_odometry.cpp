@@ -15,13 +15,8 @@ constexpr Stamp kPeriod = 20'000'000;
 
 tf2_msgs::TFMessage message_of(Stamp stamp, const Pose& T_parent_child, const std::string& parent,
                                const std::string& child) {
-  geometry_msgs::TransformStamped transform;
-  transform.header.stamp = to_ros(stamp);
-  transform.header.frame_id = parent;
-  transform.child_frame_id = child;
-  transform.transform = to_transform(T_parent_child);
   tf2_msgs::TFMessage message;
-  message.transforms = {transform};
+  message.transforms = {stamped_transform(T_parent_child, stamp, parent, child)};
   return message;
 }
 

@@ -7,6 +7,7 @@
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Quaternion.h>
 #include <geometry_msgs/Transform.h>
+#include <geometry_msgs/TransformStamped.h>
 #include <geometry_msgs/Twist.h>
 #include <geometry_msgs/Vector3.h>
 #include <ros/time.h>
@@ -39,6 +40,10 @@ geometry_msgs::Quaternion to_quaternion(const Eigen::Quaterniond& rotation);
 geometry_msgs::Pose to_message(const Pose& pose);
 /// Translation (m) and rotation: T_a_b is the transform from a (header) to b (child).
 geometry_msgs::Transform to_transform(const Pose& pose);
+/// The pose of frame `child` in frame `parent` at a stamp, as tf takes it.
+geometry_msgs::TransformStamped stamped_transform(const Pose& T_parent_child, Stamp stamp,
+                                                  const std::string& parent,
+                                                  const std::string& child);
 /// The pose in a message. Throws InputError for values that are not finite or a quaternion whose
 /// length is more than 0.01 away from 1.
 Pose from_message(const geometry_msgs::Pose& pose);

@@ -80,8 +80,7 @@ nav_msgs::Path to_path(const KeyFramePoses& poses, const std::string& frame, std
   path.header.frame_id = frame;
   for (const std::size_t i : simplified(poses.poses, limit)) {
     geometry_msgs::PoseStamped stamped;
-    stamped.header.frame_id = frame;
-    stamped.header.stamp = to_ros(poses.poses[i].stamp);
+    stamped.header = header_of(poses.poses[i].stamp, frame);
     stamped.pose = to_message(poses.poses[i].T_map_base);
     path.poses.push_back(stamped);
   }

@@ -82,6 +82,16 @@ geometry_msgs::Transform to_transform(const Pose& pose) {
   return message;
 }
 
+geometry_msgs::TransformStamped stamped_transform(const Pose& T_parent_child, Stamp stamp,
+                                                  const std::string& parent,
+                                                  const std::string& child) {
+  geometry_msgs::TransformStamped message;
+  message.header = header_of(stamp, parent);
+  message.child_frame_id = child;
+  message.transform = to_transform(T_parent_child);
+  return message;
+}
+
 Pose from_message(const geometry_msgs::Pose& pose) {
   const auto& q = pose.orientation;
   return checked({q.w, q.x, q.y, q.z}, {pose.position.x, pose.position.y, pose.position.z});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/transforms.hpp"
 
-#include <geometry_msgs/TransformStamped.h>
 #include <ros/console.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -44,11 +43,7 @@ std::optional<Pose> SensorFrames::ask(const std::string& target, const std::stri
 
 void TransformPublisher::send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
                               const std::string& child) {
-  geometry_msgs::TransformStamped message;
-  message.header = header_of(stamp, parent);
-  message.child_frame_id = child;
-  message.transform = to_transform(T_parent_child);
-  broadcaster_.sendTransform(message);
+  broadcaster_.sendTransform(stamped_transform(T_parent_child, stamp, parent, child));
 }
 
 }  // namespace lidar_mapping::ros_border

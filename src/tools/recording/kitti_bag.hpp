@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include <geometry_msgs/TransformStamped.h>
 #include <rosbag/bag.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -27,12 +26,7 @@ inline constexpr char kAntennaFrame[] = "gnss_link";
 /// The pose of a sensor on the vehicle.
 inline geometry_msgs::TransformStamped transform_message(const Pose& T_base_sensor,
                                                          const std::string& frame, Stamp stamp) {
-  geometry_msgs::TransformStamped message;
-  message.header.stamp = ros_border::to_ros(stamp);
-  message.header.frame_id = kBaseFrame;
-  message.child_frame_id = frame;
-  message.transform = ros_border::to_transform(T_base_sensor);
-  return message;
+  return ros_border::stamped_transform(T_base_sensor, stamp, kBaseFrame, frame);
 }
 
 /// Sets the variances of a covariance of 3x3 numbers, row by row.

@@ -94,8 +94,7 @@ GnssFix with_fault(GnssFix fix, const BagContent& content) {
 nav_msgs::Odometry truth_message(const Drive& drive, Stamp stamp) {
   const MotionState state = drive.trajectory().state(stamp);
   nav_msgs::Odometry message;
-  message.header.stamp = ros_border::to_ros(stamp);
-  message.header.frame_id = "map";
+  message.header = ros_border::header_of(stamp, "map");
   message.child_frame_id = kBaseFrame;
   message.pose.pose = ros_border::to_message(state.T_map_base);
   Vector6d twist;
