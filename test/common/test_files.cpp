@@ -19,19 +19,14 @@
 #include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using test::content_of;
 
 /// The message of the FileError that `act` throws; empty if it throws none.
 template <typename Act>

@@ -11,6 +11,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "file_content.hpp"
 #include "reader_kinds.hpp"
 #include "temporary_folder.hpp"
 
@@ -18,11 +19,6 @@ namespace lidar_mapping::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class Target {
  public:

@@ -2,8 +2,6 @@
 #include "limited_run.hpp"
 
 #include <csignal>
-#include <fstream>
-#include <iterator>
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -11,6 +9,7 @@
 #include <unistd.h>
 
 #include "child_end.hpp"
+#include "file_content.hpp"
 
 namespace lidar_mapping::test {
 
@@ -58,8 +57,7 @@ RunResult run_limited(const std::filesystem::path& program, const std::vector<st
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   if (WIFEXITED(status)) result.status = WEXITSTATUS(status);
   result.hung = result.hung || result.signal == SIGXCPU || result.signal == SIGKILL;
-  std::ifstream file(output);
-  result.output = {std::istreambuf_iterator<char>(file), {}};
+  result.output = content_of(output);
   return result;
 }
 

@@ -16,6 +16,7 @@
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "example_files.hpp"
+#include "file_content.hpp"
 #include "fuzz_options.hpp"
 #include "limited_run.hpp"
 #include "mutation.hpp"
@@ -46,11 +47,6 @@ void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
 constexpr unsigned kProcessorSeconds = 30;
 constexpr std::size_t kLeastCases = 3;
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 void write_content(const fs::path& path, const std::string& content) {
   std::ofstream(path, std::ios::binary) << content;

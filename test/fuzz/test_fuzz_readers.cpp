@@ -11,6 +11,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "file_content.hpp"
 #include "fuzz_options.hpp"
 #include "mutation.hpp"
 #include "reader_kinds.hpp"
@@ -72,8 +73,7 @@ class Campaign {
 
   void spoil(const fs::path& file) {
     if (kind_.spoil) return kind_.spoil(file, engine_);
-    std::ifstream whole(file, std::ios::binary);
-    const std::string spoilt = mutated({std::istreambuf_iterator<char>(whole), {}}, engine_);
+    const std::string spoilt = mutated(content_of(file), engine_);
     std::ofstream(file, std::ios::binary) << spoilt;
   }
 

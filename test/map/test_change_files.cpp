@@ -14,6 +14,7 @@ namespace {
 using moving_objects::Change;
 using moving_objects::ChangeKind;
 using moving_objects::Visit;
+using test::content_of;
 
 constexpr Stamp kDay = 86'400'000'000'000;
 constexpr GeodeticDatum kDatum{49.0, 8.4, 110.0};

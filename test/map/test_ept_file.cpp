@@ -22,6 +22,7 @@ namespace lidar_mapping::map {
 namespace {
 
 namespace fs = std::filesystem;
+using test::files_in;
 using test::TemporaryFolder;
 
 constexpr GeodeticDatum kDatum{49.0122945564, 8.4255659229, 119.6359};
@@ -103,16 +104,6 @@ void expect_read_back(const TileSource& tiles, const EptOptions& options, const 
   write_expected(tiles, options, expected);
   const std::string command = "python3 map/read_ept.py " + ept.string() + " " + expected.string();
   EXPECT_EQ(std::system(command.c_str()), 0);
-}
-
-/// Content of all files by their names.
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    files[fs::relative(entry.path(), folder)] = content_of(entry.path());
-  }
-  return files;
 }
 
 TEST(Ept, HoldsAllPointsInTheirNodes) {

@@ -21,6 +21,7 @@ namespace lidar_mapping::map {
 namespace {
 
 namespace fs = std::filesystem;
+using test::content_of;
 using test::TemporaryFolder;
 
 constexpr GeodeticDatum kDatum{49.0122945564, 8.4255659229, 119.6359};

@@ -103,7 +103,7 @@ TEST_F(MapFormats, TellDrivesOfEqualStampsApart) {
     return marks;
   };
   write_products(poses, source_, {}, options, folder_.path());
-  const auto ept = nlohmann::json::parse(content_of(folder_.path() / "ept" / "ept.json"));
+  const auto ept = nlohmann::json::parse(test::content_of(folder_.path() / "ept" / "ept.json"));
   std::size_t found = 0;
   for (const nlohmann::json& dimension : ept["schema"]) {
     if (dimension["name"].get<std::string>() != "PointSourceId") continue;

@@ -24,6 +24,8 @@ namespace lidar_mapping::map {
 namespace {
 
 namespace fs = std::filesystem;
+using test::content_of;
+using test::number_at;
 using test::TemporaryFolder;
 
 constexpr double kTileSize = 20.0;

@@ -15,6 +15,7 @@ namespace lidar_mapping::map {
 namespace {
 
 namespace fs = std::filesystem;
+using test::content_of;
 using test::TemporaryFolder;
 
 constexpr GeodeticDatum kDatum{-33.9, 18.4, 30.0};

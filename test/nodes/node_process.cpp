@@ -3,7 +3,6 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 
 #include <fcntl.h>
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #include "child_end.hpp"
+#include "file_content.hpp"
 
 namespace lidar_mapping::test {
 
@@ -70,10 +70,7 @@ int NodeProcess::wait(double seconds) {
   return status_;
 }
 
-std::string NodeProcess::output() const {
-  std::ifstream file(output_file_);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string NodeProcess::output() const { return content_of(output_file_); }
 
 std::size_t NodeProcess::count(const std::string& text) const {
   const std::string all = output();

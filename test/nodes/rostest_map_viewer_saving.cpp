@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <set>
 
 #include <sensor_msgs/NavSatFix.h>
@@ -10,6 +9,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/session/session.hpp"
 
+#include "file_content.hpp"
 #include "listener.hpp"
 #include "map_viewer_fixture.hpp"
 #include "node_process.hpp"
@@ -110,8 +110,7 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
   answer = save(call);
   ros::NodeHandle().deleteParam("session_folder");
   EXPECT_TRUE(answer.success) << answer.message;
-  std::ifstream file(folder_.path() / "first.yaml");
-  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  const std::string yaml = content_of(folder_.path() / "first.yaml");
   EXPECT_NE(yaml.find("latitude: 10.0"), std::string::npos) << yaml;
 }
 

@@ -8,6 +8,7 @@
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
+#include "file_content.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using session::Session;
+using test::content_of;
 using test::TemporaryFolder;
 
 constexpr KeyFrameIndex kKeyFrames = 12;
@@ -75,11 +77,6 @@ pose_graph::PoseGraph graph_of(const Session& session) {
   replay(session, back_end);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
   return back_end.graph();
-}
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(HdlDump, WritesFilesOfInteractiveSlam) {

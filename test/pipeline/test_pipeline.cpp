@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
 
+#include "file_content.hpp"
 #include "near.hpp"
 #include "simulated_input.hpp"
 #include "temporary_folder.hpp"
@@ -17,19 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using session::Session;
+using test::files_in;
 using test::SimulatedInput;
 using test::TemporaryFolder;
-
-/// Every file below a folder with its content.
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    std::ifstream file(entry.path(), std::ios::binary);
-    files[fs::relative(entry.path(), folder)] = {std::istreambuf_iterator<char>(file), {}};
-  }
-  return files;
-}
 
 simulation::DriveOptions short_drive() {
   simulation::DriveOptions options;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 #include "test_data.hpp"
 
@@ -60,11 +60,7 @@ class OptimizeGraph : public ::testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(file(name)) << text;
   }
-  std::string text(const std::string& name) const {
-    std::ostringstream content;
-    content << std::ifstream(file(name)).rdbuf();
-    return content.str();
-  }
+  std::string text(const std::string& name) const { return test::content_of(file(name)); }
   nlohmann::json figures() const { return nlohmann::json::parse(text("figures.json")); }
 
  private:

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "file_content.hpp"
 #include "report_figures.hpp"
 #include "run_record.hpp"
 #include "temporary_folder.hpp"
@@ -207,8 +208,7 @@ TEST_F(ReportFigures, TellWhereTheMapComesFrom) {
 
 TEST_F(ReportFigures, RefuseARecordThatIsDamaged) {
   write_run_record(session_.directory(), {});
-  std::ifstream file(session_.directory() / "run.json");
-  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  const std::string whole = test::content_of(session_.directory() / "run.json");
   const std::string begin = "\"begin_ns\": 0";
   for (const char* number : {"1e300", "true", "18446744073709551615", "1e999", "\"0\""}) {
     std::string text = whole;

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -75,8 +76,7 @@ TEST(BagSet, SaysWhatToDoAboutAFileThatCannotBeRead) {
 TEST(BagSet, RefusesAFieldThatIsLongerThanItsHeader) {
   const test::TemporaryFolder folder;
   const std::string path = write_bag((folder.path() / "long.bag").string());
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::string bytes = test::content_of(path);
   const std::size_t type = bytes.rfind("type=std_msgs/String");
   ASSERT_NE(type, std::string::npos);
   bytes[type - 4] = static_cast<char>(bytes[type - 4] + 2);

@@ -20,6 +20,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "bags/bag_chunk.hpp"
+#include "file_content.hpp"
 #include "ros2_writer.hpp"
 #include "temporary_folder.hpp"
 
@@ -291,8 +292,7 @@ class ScarceMemory {
 
 TEST_P(BagStreamTest, BelievesNoSizeThatAChunkCannotHave) {
   write_bag(path("a.bag"), some_messages(engine_), GetParam());
-  std::ifstream file(path("a.bag"), std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = test::content_of(path("a.bag"));
   overwrite(path("a.bag"), bytes.find("size=") + 5, "\xFF\xFF\xFF\x7F");
   const ScarceMemory scarce(1'000'000'000);
   BagStream stream({path("a.bag")}, kTopics);

@@ -9,6 +9,7 @@
 #include "lidar_mapping/ros/bag_stream.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
+#include "file_content.hpp"
 #include "mcap_writer.hpp"
 #include "temporary_folder.hpp"
 
@@ -63,13 +64,9 @@ class McapFiles : public ::testing::Test {
         .seekp(static_cast<std::streamoff>(position))
         .put(byte);
   }
-  static std::string content(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
   /// Where the record of this kind number `number` is; walks from the front.
   static std::size_t record(const std::string& file, char kind, int number) {
-    const std::string bytes = content(file);
+    const std::string bytes = test::content_of(file);
     for (std::size_t at = 8; at + 9 <= bytes.size();) {
       if (bytes[at] == kind && number-- == 0) return at;
       std::uint64_t length = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <regex>
 
@@ -14,6 +13,7 @@
 #include "lidar_mapping/ros/topic_choice.hpp"
 
 #include "cloud_builder.hpp"
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -108,8 +108,7 @@ TEST(OwnOutputs, AreAllThatTheNodesPublishWithTypesOfSensors) {
   std::size_t count = 0;
   for (const auto& file : std::filesystem::recursive_directory_iterator("../src/nodes")) {
     if (!file.is_regular_file()) continue;
-    std::ifstream stream(file.path());
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const std::string text = test::content_of(file.path());
     const std::sregex_iterator end;
     for (std::sregex_iterator found(text.begin(), text.end(), advertised); found != end; ++found) {
       const std::string name = (*found)[1];

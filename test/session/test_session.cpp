@@ -13,29 +13,18 @@
 #include "lidar_mapping/session/session.hpp"
 
 #include "example_values.hpp"
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::session {
 namespace {
 
 namespace fs = std::filesystem;
+using test::content_of;
+using test::files_in;
 using test::TemporaryFolder;
 
 constexpr std::time_t kNow = 1'317'646'533;
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// All files below a folder with their content.
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) files[entry.path().string()] = content_of(entry.path());
-  }
-  return files;
-}
 
 // The stored state is complete.
 TEST(Session, ReturnsKeyFramesBitForBit) {

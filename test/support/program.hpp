@@ -3,7 +3,6 @@
 
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "child_end.hpp"
+#include "file_content.hpp"
 
 namespace lidar_mapping::test {
 
@@ -43,10 +43,7 @@ class Program {
   /// Waits for its end, at most `seconds`; says whether it has ended.
   bool ends_within(double seconds) const { return test::ends_within(pid_, seconds); }
   bool is_running() const { return !ends_within(0.0); }
-  std::string output() const {
-    std::ifstream file(output_);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string output() const { return content_of(output_); }
 
  private:
   [[noreturn]] void become(const std::string& path, const Words& words) const {

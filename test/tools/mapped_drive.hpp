@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 
@@ -11,6 +10,7 @@
 
 #include "lidar_mapping/session/session.hpp"
 
+#include "file_content.hpp"
 #include "program.hpp"
 #include "temporary_folder.hpp"
 
@@ -36,13 +36,9 @@ class MappedDrive : public testing::Test {
     return Program(program, words, root() / "log").wait();
   }
   static int map(const Words& words) { return run("map_bag", with_bag(words)); }
-  static std::string said() { return content(root() / "log"); }
+  static std::string said() { return content_of(root() / "log"); }
   static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
 
-  static std::string content(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
   static std::size_t files_in(const std::filesystem::path& folder) {
     if (!std::filesystem::exists(folder)) return 0;
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),

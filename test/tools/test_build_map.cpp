@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "file_content.hpp"
 #include "mapped_drive.hpp"
 
 namespace lidar_mapping::tools {
@@ -87,14 +88,14 @@ TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
   const std::string reader = "python3 map/read_ept.py " + (target / "ept").string();
   EXPECT_EQ(std::system(reader.c_str()), 0);
   EXPECT_FALSE(fs::exists(target / "ept" / "index.html")) << "nobody asked for the page";
-  const auto ept = nlohmann::json::parse(content(target / "ept" / "ept.json"));
+  const auto ept = nlohmann::json::parse(test::content_of(target / "ept" / "ept.json"));
   EXPECT_EQ(ept["points"], session::read_pcd(target / "map.pcd").size());
   const auto session = session::Session::open(whole(), session::Session::Access::kRead);
   const auto& time = ept["schema"][5];
   ASSERT_EQ(time["name"], "GpsTime");
   EXPECT_EQ(time["minimum"], to_seconds(session.key_frames().front().stamp));
   ASSERT_TRUE(session.datum());
-  const auto way = nlohmann::json::parse(content(target / "trajectory.geojson"));
+  const auto way = nlohmann::json::parse(test::content_of(target / "trajectory.geojson"));
   EXPECT_EQ(way["features"][0]["geometry"]["coordinates"].size(), session.key_frame_count());
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <gtest/gtest.h>
 
@@ -14,6 +13,7 @@
 #include "lidar_mapping/preprocessing/floor_detection_config.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
+#include "file_content.hpp"
 #include "parameters/config_documents.hpp"
 #include "parameters/stage_files.hpp"
 #include "temporary_folder.hpp"
@@ -24,10 +24,7 @@ namespace {
 /// Tests run in the folder test/.
 std::string shipped_path(const std::string& stage) { return "../config/" + stage + ".yaml"; }
 
-std::string shipped(const std::string& stage) {
-  std::ifstream file(shipped_path(stage), std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string shipped(const std::string& stage) { return test::content_of(shipped_path(stage)); }
 
 TEST(ConfigDocuments, ShippedFilesAreThoseOfTheSchemas) {
   for (const ConfigDocument& document : config_documents()) {
@@ -37,8 +34,7 @@ TEST(ConfigDocuments, ShippedFilesAreThoseOfTheSchemas) {
 }
 
 TEST(ConfigDocuments, ManualHasTheTablesOfTheSchemas) {
-  std::ifstream file("../doc/parameters.md", std::ios::binary);
-  const std::string manual{std::istreambuf_iterator<char>(file), {}};
+  const std::string manual = test::content_of("../doc/parameters.md");
   for (const ConfigDocument& document : config_documents()) {
     EXPECT_NE(manual.find(document.markdown), std::string::npos)
         << "write the table again: rosrun lidar_mapping describe_config --markdown "

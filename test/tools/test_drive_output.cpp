@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -16,6 +14,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "file_content.hpp"
 #include "near.hpp"
 #include "recording/kitti_bag.hpp"
 #include "simulated_drive/drive_output.hpp"
@@ -33,13 +32,6 @@ const simulation::Drive& short_drive() {
     return options;
   }());
   return drive;
-}
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
 }
 
 class DriveOutput : public testing::Test {
@@ -75,7 +67,7 @@ TEST_F(DriveOutput, BagHasTheSameBytesForAnyNumberOfThreads) {
   write_bag(short_drive(), bag, {}, 1);
   const std::string other = (folder.path() / "other.bag").string();
   write_bag(short_drive(), other, {}, 3);
-  EXPECT_TRUE(bytes_of(bag) == bytes_of(other));
+  EXPECT_TRUE(test::content_of(bag) == test::content_of(other));
 }
 
 TEST_F(DriveOutput, BagHasItsNameOnlyWhenItIsWhole) {

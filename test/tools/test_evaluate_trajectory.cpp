@@ -8,6 +8,7 @@
 
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "file_content.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
@@ -110,8 +111,7 @@ class EvaluateTrajectoryCommand : public testing::Test {
                                 (folder_.path() / "estimate").string() + "' " + options + " > '" +
                                 said + "'";
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
-    std::ifstream stream(said);
-    return {std::istreambuf_iterator<char>(stream), {}};
+    return test::content_of(said);
   }
   /// The truth as another frame on the vehicle has it, in a world of its own.
   static Trajectory seen_from(const Pose& T_base_frame, const Pose& T_world,

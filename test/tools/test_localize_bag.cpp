@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
+#include "file_content.hpp"
 #include "program.hpp"
 #include "temporary_folder.hpp"
 
@@ -14,6 +15,7 @@ namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using test::content_of;
 using test::Program;
 using test::TemporaryFolder;
 using test::Words;
@@ -29,11 +31,7 @@ class LocalizeBag : public testing::Test {
   static int run(const std::string& program, const Words& words) {
     return Program(program, words, root() / "log").wait();
   }
-  static std::string content(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  static std::string said() { return content(root() / "log"); }
+  static std::string said() { return content_of(root() / "log"); }
   static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
 
   /// Simulates a drive once; its truth lies beside it.
@@ -110,7 +108,8 @@ TEST_F(LocalizeBag, GivesTheSameBytesForAnyNumberOfThreads) {
     const fs::path output = root() / ("threads_" + threads);
     EXPECT_EQ(localize(other_day(), output, {"--duration", "8", "--threads", threads}), 0)
         << said();
-    return content(output / "trajectory/localized.tum") + content(output / "localization.csv");
+    return content_of(output / "trajectory/localized.tum") +
+           content_of(output / "localization.csv");
   };
   const std::string by_one = with_threads("1");
   EXPECT_GT(by_one.size(), 5000U);
@@ -123,8 +122,8 @@ TEST_F(LocalizeBag, SaysThatADriveIsNotInTheMap) {
   const fs::path output = root() / "nowhere";
   EXPECT_EQ(localize(elsewhere, output), 5) << said();
   EXPECT_TRUE(has_said("the drive was never found in the map")) << said();
-  EXPECT_EQ(content(output / "trajectory/localized.tum"), "");
-  EXPECT_NE(content(output / "localization.csv").find(",searching,"), std::string::npos);
+  EXPECT_EQ(content_of(output / "trajectory/localized.tum"), "");
+  EXPECT_NE(content_of(output / "localization.csv").find(",searching,"), std::string::npos);
 }
 
 TEST_F(LocalizeBag, TakesAnInitialPoseAndIsNotMisledByAWrongOne) {
@@ -161,7 +160,7 @@ TEST_F(LocalizeBag, WritesFiguresAsJson) {
       localize(other_day(), root() / "timed", {"--duration", "4", "--figures", figures.string()}),
       0)
       << said();
-  EXPECT_NE(content(figures).find("\"found_after\""), std::string::npos);
+  EXPECT_NE(content_of(figures).find("\"found_after\""), std::string::npos);
 }
 
 }  // namespace

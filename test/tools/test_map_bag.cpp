@@ -13,6 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using session::Session;
+using test::content_of;
 using test::Program;
 using test::TemporaryFolder;
 using test::Words;
@@ -136,7 +137,7 @@ TEST_F(MapBag, TakesSingleParameters) {
       << said();
   EXPECT_TRUE(has_said("odometry: registration_method NDT_OMP is hdl_graph_slam's")) << said();
   EXPECT_TRUE(has_said("loops: registration_method FAST_GICP is hdl_graph_slam's")) << said();
-  const std::string in_force = content(folder / "config.yaml");
+  const std::string in_force = content_of(folder / "config.yaml");
   EXPECT_NE(in_force.find("use_gnss: false"), std::string::npos);
   EXPECT_NE(in_force.find("key_frame_distance: 3"), std::string::npos);
 }
@@ -208,7 +209,7 @@ TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
   const Words alone = {"--parameter", "preprocessing/use_velocity: false"};
   EXPECT_EQ(map_tunnel(session, alone), 4) << said();
   EXPECT_TRUE(has_said("Do not trust this map between")) << said();
-  EXPECT_NE(content(session / "doubt.csv").find("\ndegenerate,"), std::string::npos);
+  EXPECT_NE(content_of(session / "doubt.csv").find("\ndegenerate,"), std::string::npos);
   // Neither a second look at a session that is complete nor its report is kinder.
   Words again = alone;
   again.emplace_back("--resume");
@@ -220,7 +221,7 @@ TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
   EXPECT_TRUE(has_said("Do not trust this map between")) << said();
   EXPECT_TRUE(has_said("Motion observed")) << said();
   EXPECT_FALSE(has_said("Good: ")) << said();
-  EXPECT_NE(content(session / "report.html").find("Do not trust this map between"),
+  EXPECT_NE(content_of(session / "report.html").find("Do not trust this map between"),
             std::string::npos);
 }
 
@@ -249,7 +250,7 @@ TEST_F(MapBag, ReportsInFoldersOfAnyName) {
   const fs::path folder = parent.path() / "Rock 'n' Roll $HOME";
   EXPECT_EQ(map({"-o", folder, "--no-map", "--duration", "4", "--report"}), 0) << said();
   EXPECT_TRUE(fs::exists(folder / "report.html")) << said();
-  EXPECT_NE(content(folder / "report.html").find("drive.bag"), std::string::npos);
+  EXPECT_NE(content_of(folder / "report.html").find("drive.bag"), std::string::npos);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using test::content_of;
 using test::TemporaryFolder;
 
 class MapQualityCommand : public test::MappedDrive {
@@ -48,7 +49,7 @@ TEST_F(MapQualityCommand, JudgesWithAndWithoutAReport) {
   std::ifstream stream(session_ / "report.json");
   const auto report = nlohmann::json::parse(stream);
   EXPECT_EQ(without.find(report["overall"].get<std::string>()), 0U) << report["overall"];
-  EXPECT_NE(content(session_ / "report.html").find(report["overall"].get<std::string>()),
+  EXPECT_NE(content_of(session_ / "report.html").find(report["overall"].get<std::string>()),
             std::string::npos);
 }
 
@@ -56,7 +57,7 @@ TEST_F(MapQualityCommand, WritesHowWellEachKeyFrameIsKnown) {
   const std::string file = folder_.path() / "key frames.csv";
   ASSERT_EQ(run("map_quality", {session_, "--key-frames", file}), 0) << said();
   EXPECT_TRUE(has_said("m from the first key frame (key frame ")) << said();
-  const std::string table = content(file);
+  const std::string table = content_of(file);
   EXPECT_EQ(table.find("key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m"), 0U) << table;
   EXPECT_GT(std::count(table.begin(), table.end(), '\n'), 5) << table;
   EXPECT_EQ(run("map_quality", {session_, "--key-frames", folder_.path()}), 1) << "a folder";
@@ -85,7 +86,7 @@ TEST_F(MapQualityCommand, MissesATruthThatIsNotThere) {
 
 TEST_F(MapQualityCommand, SaysInTheReportWhereItComesFrom) {
   ASSERT_EQ(run("map_quality", {session_, "--report"}), 0) << said();
-  const std::string page = content(session_ / "report.html");
+  const std::string page = content_of(session_ / "report.html");
   for (const char* part :
        {"drive.bag", "/kitti/velo/pointcloud", "lidar_mapping 0.", "--threads 2", "East-North-Up",
         "map/map.pcd", "Extent of the map: x", "use_gnss: true", "Height above the ground"}) {

@@ -12,6 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using session::Session;
+using test::content_of;
 using test::Program;
 using test::TemporaryFolder;
 
@@ -43,7 +44,7 @@ class Resume : public test::MappedDrive {
           name == "session.db-shm") {
         continue;
       }
-      EXPECT_TRUE(content(entry.path()) == content(folder / name)) << name;
+      EXPECT_TRUE(content_of(entry.path()) == content_of(folder / name)) << name;
     }
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
       EXPECT_NE(entry.path().extension(), ".part") << entry.path();
@@ -84,7 +85,7 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAKillAtAnyMoment) {
     if (!is_killed_after(moment, folder)) continue;
     for (const char* file : {"map.pcd", "map.ply", "top_view.png"}) {
       if (!fs::exists(folder / "map" / file)) continue;
-      EXPECT_EQ(content(folder / "map" / file), content(whole() / "map" / file)) << file;
+      EXPECT_EQ(content_of(folder / "map" / file), content_of(whole() / "map" / file)) << file;
     }
     EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
     expect_same_bytes(folder);
@@ -116,15 +117,15 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAPart) {
 TEST_F(Resume, TakesNothingAwayIfItIsBrokenOffToo) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
-  const std::string before = content(folder / "trajectory" / "optimized.tum");
+  const std::string before = content_of(folder / "trajectory" / "optimized.tum");
   Program program("map_bag", with_bag({"-o", folder, "--resume"}), root() / "log");
   wait_for_key_frames(program, folder / ".resumed", 2);
   program.kill(SIGKILL);
   program.wait();
-  EXPECT_EQ(content(folder / "trajectory" / "optimized.tum"), before);
+  EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
   ASSERT_EQ(map({"-o", folder, "--resume", "--duration", "2", "--no-map"}), 0) << said();
   EXPECT_TRUE(has_said("stays as it was")) << said();
-  EXPECT_EQ(content(folder / "trajectory" / "optimized.tum"), before);
+  EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
   EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
   expect_same_bytes(folder);
 }
@@ -160,7 +161,7 @@ TEST_F(Resume, BeginsWhereNothingButTheBeginningOfAFileIs) {
 TEST_F(Resume, RefusesAnotherRecording) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
-  const std::string before = content(folder / "session.db");
+  const std::string before = content_of(folder / "session.db");
   const std::string other = parent.path() / "other.bag";
   ASSERT_EQ(run("simulate_drive", {other, "--lidar", "vlp16", "--duration", "3", "--seed", "2"}),
             0);
@@ -172,7 +173,7 @@ TEST_F(Resume, RefusesAnotherRecording) {
   EXPECT_TRUE(has_said("other parameters: back_end had 'use_gnss: true'")) << said();
   EXPECT_EQ(map({"-o", folder, "--resume", "--start", "1"}), 1);
   EXPECT_TRUE(has_said("--start")) << said();
-  EXPECT_EQ(content(folder / "session.db"), before);
+  EXPECT_EQ(content_of(folder / "session.db"), before);
 }
 
 TEST_F(Resume, TakesTheRecordingWhereverItLies) {
