@@ -59,6 +59,18 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
   }
 }
 
+void write_stream_atomically(const fs::path& path,
+                             const std::function<void(std::ostream&)>& write) {
+  write_atomically(path, [&](const fs::path& temporary) {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    write(file);
+    file.close();
+    if (file) return;
+    // Which of its writes failed first, and why, is not known any more.
+    throw FileError("cannot write " + path.string() + "; check the free space and the permissions");
+  });
+}
+
 void write_text_atomically(const fs::path& path, const std::string& text) {
   write_atomically(path, [&](const fs::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);

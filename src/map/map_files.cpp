@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <ostream>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -70,10 +70,6 @@ std::string to_yaml(const Extent& extent, const MapDescription& description) {
   return text;
 }
 
-[[noreturn]] void throw_write_error(const fs::path& path) {
-  throw FileError("cannot write " + path.string() + "; check the free space and the permissions");
-}
-
 /// All x, then all y, z and intensities: similar values side by side are compressed best.
 std::vector<float> values_by_field(const CloudParts& map, std::size_t points) {
   std::vector<float> values(4 * points);
@@ -105,27 +101,21 @@ std::vector<char> lzf_compressed(const std::vector<float>& values) {
 /// Writes the same file as PCL's writer with half of its memory.
 void write_compressed_pcd(const fs::path& path, const CloudParts& map, std::size_t points) {
   const std::vector<char> data = lzf_compressed(values_by_field(map, points));
-  write_atomically(path, [&](const fs::path& temporary) {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  write_stream_atomically(path, [&](std::ostream& file) {
     file << pcd_header(points, "binary_compressed");
     file.write(data.data(), static_cast<std::streamsize>(data.size()));
-    file.close();
-    if (!file) throw_write_error(path);
   });
 }
 
 /// Writes a header, followed by the points as they are in memory.
 void write_points(const fs::path& path, const std::string& header, const CloudParts& map) {
   static_assert(sizeof(Point) == 16);
-  write_atomically(path, [&](const fs::path& temporary) {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  write_stream_atomically(path, [&](std::ostream& file) {
     file << header;
     map.for_each([&](const PointCloud& part) {
       file.write(reinterpret_cast<const char*>(part.points.data()),
                  static_cast<std::streamsize>(part.size() * sizeof(Point)));
     });
-    file.close();
-    if (!file) throw_write_error(path);
   });
 }
 

@@ -65,16 +65,10 @@ PointCloud read_pcd(const std::filesystem::path& path) {
 
 void write_pcd(const std::filesystem::path& path, const PointCloud& cloud) {
   static_assert(sizeof(Point) == 16);
-  write_atomically(path, [&](const std::filesystem::path& temporary) {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  write_stream_atomically(path, [&](std::ostream& file) {
     file << pcd_header(cloud.size());
     file.write(reinterpret_cast<const char*>(cloud.points.data()),
                static_cast<std::streamsize>(cloud.size() * sizeof(Point)));
-    file.close();
-    if (!file) {
-      throw FileError("cannot write " + path.string() +
-                      "; check the free space and the permissions");
-    }
   });
 }
 

@@ -115,6 +115,14 @@ TEST_F(AtomicFile, KeepsTheBytesOfAText) {
   EXPECT_EQ(content_of(path_), text);
 }
 
+TEST_F(AtomicFile, HasWhatIsPutIntoItsStream) {
+  const auto write = [](std::ostream& file) { file << "map " << 7; };
+  write_stream_atomically(path_, write);
+  EXPECT_EQ(content_of(path_), "map 7");
+  EXPECT_EQ(file_error_of([&] { write_stream_atomically("/dev/full", write); }),
+            "cannot write /dev/full; check the free space and the permissions");
+}
+
 TEST_F(AtomicFile, SaysWhereItCannotWrite) {
   write_text_atomically(path_, "a file, no folder");
   const std::string message = file_error_of([&] { write_text_atomically(path_ / "x", "text"); });

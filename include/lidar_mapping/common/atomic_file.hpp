@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <string>
 
 namespace lidar_mapping {
@@ -15,6 +16,10 @@ namespace lidar_mapping {
 /// gone.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write);
+
+/// write_atomically() with what `write` puts into the stream of the file. Throws FileError.
+void write_stream_atomically(const std::filesystem::path& path,
+                             const std::function<void(std::ostream& file)>& write);
 
 /// write_atomically() with a text. Throws FileError.
 void write_text_atomically(const std::filesystem::path& path, const std::string& text);
