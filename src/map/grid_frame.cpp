@@ -12,9 +12,7 @@ namespace lidar_mapping::map {
 
 GridFrame::GridFrame(const CloudParts& map, double cell_size) : cell(cell_size) {
   Eigen::AlignedBox2f bounds;
-  map.for_each([&](const PointCloud& part) {
-    for (const Point& point : part.points) bounds.extend(point.position().head<2>());
-  });
+  map.for_each_point([&](const Point& point) { bounds.extend(point.position().head<2>()); });
   if (bounds.isEmpty()) throw InputError("the map has no points; there is no grid to make");
   x_min = cell * std::floor(static_cast<double>(bounds.min().x()) / cell);
   y_min = cell * std::floor(static_cast<double>(bounds.min().y()) / cell);

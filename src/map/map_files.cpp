@@ -74,14 +74,12 @@ std::string to_yaml(const Extent& extent, const MapDescription& description) {
 std::vector<float> values_by_field(const CloudParts& map, std::size_t points) {
   std::vector<float> values(4 * points);
   std::size_t i = 0;
-  map.for_each([&](const PointCloud& part) {
-    for (const Point& point : part.points) {
-      values[i] = point.x;
-      values[points + i] = point.y;
-      values[2 * points + i] = point.z;
-      values[3 * points + i] = point.intensity;
-      ++i;
-    }
+  map.for_each_point([&](const Point& point) {
+    values[i] = point.x;
+    values[points + i] = point.y;
+    values[2 * points + i] = point.z;
+    values[3 * points + i] = point.intensity;
+    ++i;
   });
   return values;
 }

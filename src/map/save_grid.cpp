@@ -125,9 +125,7 @@ class GridBlocks {
         columns_((frame.columns + edge_ - 1) / edge_),
         rows_((frame.rows + edge_ - 1) / edge_),
         has_ground_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
-    map.for_each([&](const PointCloud& part) {
-      for (const Point& point : part.points) mark_around(point);
-    });
+    map.for_each_point([&](const Point& point) { mark_around(point); });
   }
 
   std::size_t size() const { return has_ground_.size(); }

@@ -80,10 +80,8 @@ template <typename Visit>
 void for_some_points(const CloudParts& map, std::size_t count, const Visit& visit) {
   const std::size_t step = 1 + count / kMaxSamples;
   std::size_t number = 0;
-  map.for_each([&](const PointCloud& part) {
-    for (const Point& point : part.points) {
-      if (number++ % step == 0) visit(point);
-    }
+  map.for_each_point([&](const Point& point) {
+    if (number++ % step == 0) visit(point);
   });
 }
 
@@ -202,13 +200,11 @@ TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
   };
   const Grid<float> ground = ground_of(map, extent, grid(kGroundCell, kNone));
   Grid<Pixel> pixels = grid(pixel, Pixel{});
-  map.for_each([&](const PointCloud& part) {
-    for (const Point& point : part.points) {
-      const auto at_pixel = pixels.position(point);
-      const auto at_ground = ground.position(point);
-      if (at_pixel && at_ground) {
-        pixels.values[*at_pixel].add(point.z - ground.values[*at_ground]);
-      }
+  map.for_each_point([&](const Point& point) {
+    const auto at_pixel = pixels.position(point);
+    const auto at_ground = ground.position(point);
+    if (at_pixel && at_ground) {
+      pixels.values[*at_pixel].add(point.z - ground.values[*at_ground]);
     }
   });
   TopView view{pixels.width, pixels.height, pixel, extent.x.low, extent.y.high, {}};

@@ -37,6 +37,13 @@ class CloudParts {
   void for_each_near(const Area& area, const Sink& sink) const {
     for_each_near_ ? for_each_near_(area, sink) : for_each_(sink);
   }
+  /// Calls visit(point) for all points of all parts, in order.
+  template <typename Visit>
+  void for_each_point(const Visit& visit) const {
+    for_each_([&visit](const PointCloud& part) {
+      for (const Point& point : part.points) visit(point);
+    });
+  }
 
  private:
   std::function<void(const Sink&)> for_each_;
