@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <boost/array.hpp>
@@ -14,6 +15,7 @@
 #include <std_msgs/Header.h>
 
 #include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -49,6 +51,13 @@ geometry_msgs::TransformStamped stamped_transform(const Pose& T_parent_child, St
 Pose from_message(const geometry_msgs::Pose& pose);
 /// The pose in a transform, with the same errors.
 Pose from_message(const geometry_msgs::Transform& transform);
+/// The pose in either message; none where from_message() throws.
+template <typename Message>
+std::optional<Pose> valid_pose(const Message& message) try {
+  return from_message(message);
+} catch (const InputError&) {
+  return std::nullopt;
+}
 
 /// Three numbers of any unit.
 geometry_msgs::Vector3 to_message(const Eigen::Vector3d& vector);

@@ -8,7 +8,6 @@
 
 #include <nav_msgs/Odometry.h>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
@@ -31,17 +30,11 @@ constexpr std::size_t kSteps = 20;
 /// units and axes differ by more.
 constexpr double kLargest = 0.2;
 
-std::optional<Pose> pose_of(const nav_msgs::Odometry& message) try {
-  return from_message(message.pose.pose);
-} catch (const InputError&) {
-  return std::nullopt;
-}
-
 /// Compares the twists of an odometry with its poses.
 class TwistCheck {
  public:
   void add(const nav_msgs::Odometry& message) {
-    const auto pose = pose_of(message);
+    const auto pose = valid_pose(message.pose.pose);
     if (!pose || message.child_frame_id.empty()) return;
     const Sample now{from_ros(message.header.stamp), *pose,
                      from_message(message.twist.twist.linear)};

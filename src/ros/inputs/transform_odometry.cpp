@@ -14,13 +14,6 @@ namespace {
 /// from that at an instant.
 constexpr double kLongestGap = 0.5;
 
-/// Empty for an invalid transform.
-std::optional<Pose> pose_of(const geometry_msgs::Transform& transform) try {
-  return from_message(transform);
-} catch (const InputError&) {
-  return std::nullopt;
-}
-
 }  // namespace
 
 TransformOdometry::TransformOdometry(const std::string& odom_frame, const std::string& base_frame)
@@ -38,7 +31,7 @@ std::vector<VelocitySample> TransformOdometry::add(const tf2_msgs::TFMessage& me
     const std::string child = frame_name(transform.child_frame_id);
     const bool upright = parent == odom_frame_ && child == base_frame_;
     if (!upright && !(parent == base_frame_ && child == odom_frame_)) continue;
-    const std::optional<Pose> T_parent_child = pose_of(transform.transform);
+    const std::optional<Pose> T_parent_child = valid_pose(transform.transform);
     if (!T_parent_child) continue;
     const auto velocity = follow(
         {from_ros(transform.header.stamp), upright ? *T_parent_child : T_parent_child->inverse()});
