@@ -6,6 +6,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "city_files.hpp"
+#include "error_text.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::city::test {
@@ -83,12 +84,7 @@ template <typename Read>
 std::string complaint(const std::filesystem::path& path, const std::string& text,
                       const Read& read) {
   std::ofstream(path) << text;
-  try {
-    read(path);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return lidar_mapping::test::error_text<InputError>([&] { read(path); });
 }
 
 TEST(CityFiles, DamagedFilesAreNamedWithTheRemedy) {

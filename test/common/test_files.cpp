@@ -19,6 +19,7 @@
 #include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 
+#include "error_text.hpp"
 #include "file_content.hpp"
 #include "temporary_folder.hpp"
 
@@ -31,12 +32,7 @@ using test::content_of;
 /// The message of the FileError that `act` throws; empty if it throws none.
 template <typename Act>
 std::string file_error_of(const Act& act) {
-  try {
-    act();
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<FileError>(act);
 }
 
 class Files : public testing::Test {

@@ -5,6 +5,8 @@
 
 #include "lidar_mapping/config/load.hpp"
 
+#include "error_text.hpp"
+
 namespace lidar_mapping::config {
 namespace {
 
@@ -50,12 +52,7 @@ struct Sample {
 Sample load_text(const std::string& text) { return load<Sample>({parse_yaml(text, "a.yaml")}); }
 
 std::string problem_of(const std::string& text) {
-  try {
-    load_text(text);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<ConfigError>([&] { load_text(text); });
 }
 
 TEST(Load, KeepsDefaultsForMissingKeys) {

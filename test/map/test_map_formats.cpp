@@ -11,6 +11,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 
+#include "error_text.hpp"
 #include "file_content.hpp"
 #include "temporary_folder.hpp"
 
@@ -136,12 +137,7 @@ TEST_F(MapFormats, NeedPoints) {
 }
 
 TEST_F(MapFormats, HelpAndErrorsListAllFormats) {
-  std::string problem;
-  try {
-    written({"shp"});
-  } catch (const InputError& error) {
-    problem = error.what();
-  }
+  const std::string problem = test::error_text<InputError>([&] { written({"shp"}); });
   for (const std::string& format : product_formats()) {
     EXPECT_NE(product_format_help().find(format), std::string::npos) << format;
     EXPECT_NE(problem.find(format), std::string::npos) << format << " is not in: " << problem;

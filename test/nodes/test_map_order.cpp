@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "error_text.hpp"
 #include "map_viewer/map_order.hpp"
 #include "temporary_folder.hpp"
 
@@ -20,12 +21,7 @@ SaveMap::Request request_for(const fs::path& destination) {
 }
 
 std::string problem_of(const SaveMap::Request& request) {
-  try {
-    map_order(request);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<Error>([&] { map_order(request); });
 }
 
 TEST(MapOrder, NamesOneFile) {

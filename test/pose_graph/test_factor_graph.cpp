@@ -6,6 +6,7 @@
 #include "lidar_mapping/pose_graph/factor_graph.hpp"
 #include "lidar_mapping/pose_graph/linearisation.hpp"
 
+#include "error_text.hpp"
 #include "gauss_newton.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -77,12 +78,7 @@ TEST_P(RowCount, AllRowsAreLinearised) {
 }
 
 std::string refusal(FactorGraph& graph, Constraint constraint) {
-  try {
-    graph.add(std::move(constraint));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<InputError>([&] { graph.add(std::move(constraint)); });
 }
 
 TEST(FactorGraph, RefusesConstraintsThatItCannotSolve) {

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 
+#include "error_text.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -19,12 +20,7 @@ G2oFile read(const std::string& text) {
 }
 
 std::string problem_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<FileError>([&] { read(text); });
 }
 
 const std::string kIdentity6 = "1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";

@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/velodyne_packets.hpp"
 
+#include "error_text.hpp"
 #include "temporary_folder.hpp"
 #include "velodyne_encoder.hpp"
 
@@ -190,12 +191,7 @@ class VelodyneCalibrations : public testing::Test {
     return read_velodyne_calibration(folder_.path() / "a.yaml");
   }
   std::string refusal_of(const std::string& text) {
-    try {
-      read(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return test::error_text<Error>([&] { read(text); });
   }
 
   const test::TemporaryFolder folder_;
@@ -284,12 +280,7 @@ TEST_F(VelodyneCalibrations, AreRefusedWithTheLaserAndTheEntry) {
 }
 
 std::string refusal_of(const Packets& packets, const VelodyneDecoder& decoder = VelodyneDecoder()) {
-  try {
-    decoder.decode(packets.get(), kStamp);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<InputError>([&] { decoder.decode(packets.get(), kStamp); });
 }
 
 TEST(VelodyneDecoder, NamesWhatCannotBeDecoded) {

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 
+#include "error_text.hpp"
 #include "file_content.hpp"
 #include "temporary_folder.hpp"
 
@@ -16,12 +17,7 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 std::string refusal(const std::string& path) {
-  try {
-    BagSet({path});
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<FileError>([&] { BagSet({path}); });
 }
 
 std::string write_bag(const std::string& path) {

@@ -7,6 +7,8 @@
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/parameters.hpp"
 
+#include "error_text.hpp"
+
 namespace lidar_mapping::ros_border {
 namespace {
 
@@ -17,12 +19,7 @@ Config load(XmlRpc::XmlRpcValue values) {
 }
 
 std::string problem_of(const XmlRpc::XmlRpcValue& values) {
-  try {
-    load(values);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_text<ConfigError>([&] { load(values); });
 }
 
 TEST(FromXmlRpc, KeepsEveryType) {

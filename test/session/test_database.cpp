@@ -11,6 +11,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "database.hpp"
+#include "error_text.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -49,12 +50,7 @@ class DatabaseTest : public testing::Test {
 /// The message of the FileError of an action; empty if there was none.
 template <typename Action>
 std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return {};
+  return test::error_text<FileError>(action);
 }
 
 TEST_F(DatabaseTest, GivesBackWhatWasWritten) {
