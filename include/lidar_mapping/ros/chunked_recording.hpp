@@ -80,9 +80,9 @@ class ChunkedRecording {
   ChunkedRecording& operator=(const ChunkedRecording&) = delete;
 
   /// Connections of the wanted topics, by the numbers that the recording gives them.
-  virtual const std::map<std::uint32_t, BagConnection>& connections() const = 0;
+  const std::map<std::uint32_t, BagConnection>& connections() const { return connections_; }
   /// Chunks that hold messages of the topics, in the order of their beginnings.
-  virtual const std::vector<BagChunk>& chunks() const = 0;
+  const std::vector<BagChunk>& chunks() const { return chunks_; }
   /// Messages of the topics, in the order of their times and then of the file.
   virtual std::vector<BagEntry> entries(const BagChunk& chunk) = 0;
   /// The content of a chunk, decompressed into `memory`. One thread calls it at a time.
@@ -91,6 +91,10 @@ class ChunkedRecording {
   virtual StoredMessage message(const ChunkContent& content, const BagEntry& entry) const = 0;
   /// What is missing of the file; empty if it is whole.
   virtual std::optional<MissingPart> missing_part() const { return std::nullopt; }
+
+ protected:
+  std::map<std::uint32_t, BagConnection> connections_;  ///< see connections(); a file fills it
+  std::vector<BagChunk> chunks_;                        ///< see chunks(); a file fills it
 };
 
 /// Opens a bag or an MCAP file with these topics; topics that do not exist are ignored.

@@ -89,11 +89,6 @@ class BagFile : public ChunkedRecording {
     read_index(topics);
   }
 
-  const std::map<std::uint32_t, BagConnection>& connections() const override {
-    return connections_;
-  }
-  const std::vector<BagChunk>& chunks() const override { return chunks_; }
-
   std::vector<BagEntry> entries(const BagChunk& chunk) override {
     std::vector<BagEntry> entries;
     const Record head = record_at(chunk.position);
@@ -289,8 +284,6 @@ class BagFile : public ChunkedRecording {
 
   std::string path_;
   FileBytes file_;
-  std::map<std::uint32_t, BagConnection> connections_;
-  std::vector<BagChunk> chunks_;
   std::vector<std::uint8_t> compressed_;
 };
 

@@ -28,10 +28,6 @@ class McapFile : public ChunkedRecording {
     add_places(index);
   }
 
-  const std::map<std::uint32_t, BagConnection>& connections() const override {
-    return connections_;
-  }
-  const std::vector<BagChunk>& chunks() const override { return chunks_; }
   std::optional<MissingPart> missing_part() const override { return missing_; }
 
   std::vector<BagEntry> entries(const BagChunk& chunk) override {
@@ -139,10 +135,8 @@ class McapFile : public ChunkedRecording {
 
   std::string path_;
   FileBytes file_;
-  std::map<std::uint32_t, BagConnection> connections_;
   std::map<std::uint32_t, const Ros2Type*> types_;  ///< those that are read, by channel
-  std::vector<BagChunk> chunks_;
-  std::map<std::uint64_t, McapPlace> places_;  ///< by their positions
+  std::map<std::uint64_t, McapPlace> places_;       ///< by their positions
   std::optional<MissingPart> missing_;
   ChunkMemory memory_;  ///< of chunks without message indexes
 };
