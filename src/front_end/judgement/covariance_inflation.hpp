@@ -25,8 +25,6 @@ class CovarianceInflation {
 
   /// In the axes of the motion's end; zero if no step was doubtful.
   const Covariance6& covariance() const { return covariance_; }
-  /// Whether a step was doubtful; for tests.
-  bool is_inflated() const { return inflated_; }
 
  private:
   Covariance6 covariance_ = Covariance6::Zero();
