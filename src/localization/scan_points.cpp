@@ -2,8 +2,8 @@
 #include "scan_points.hpp"
 
 #include <algorithm>
-#include <numeric>
 
+#include "lidar_mapping/common/scattering_step.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/loop_closing/above_ground.hpp"
 
@@ -23,14 +23,6 @@ constexpr float kJudgedRange = 40.0F;
 constexpr std::size_t kSlots = std::size_t{1} << 14;
 
 using Positions = std::vector<Eigen::Vector3f>;
-
-/// Points are visited with a step near the golden section of their number, so that any point of a
-/// cube may be the one that is taken.
-std::size_t scattering_step(std::size_t count) {
-  std::size_t step = count * 618 / 1000 + 1;  // the golden section, by definition
-  while (std::gcd(step, count) > 1) ++step;
-  return step;
-}
 
 registration::NdtPoints arrays_of(const Positions& points, const Eigen::Vector3f& viewpoint) {
   std::vector<float> x, y, z;
@@ -64,6 +56,7 @@ ScanPoints ScanSampler::sample(const PointCloud& cloud, const Eigen::Vector3d& p
   cubes_.assign(kSlots, 0);
   const Eigen::Vector3f viewpoint = p_base_lidar.cast<float>();
   Positions all, near, structure;
+  // So that any point of a cube may be the one that is taken.
   const std::size_t step = scattering_step(cloud.size());
   const std::size_t visited = std::min(cloud.size(), kMostVisited);
   for (std::size_t k = 0, i = 0; k < visited; ++k, i = (i + step) % cloud.size()) {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
+#include "lidar_mapping/common/scattering_step.hpp"
 
 #include "scan/hash_kernel.hpp"
 
@@ -15,14 +15,6 @@ namespace {
 /// Number of points for which hashes are computed at a time before they are looked up. Chosen: the
 /// hashes (8 kB) stay in the first-level cache.
 constexpr std::size_t kBlock = 2048;
-
-/// The points of a block are visited with a step near its golden section, so that successive points
-/// are far apart. The step has no common divisor with the block, so that no point is left out.
-std::size_t scattering_step(std::size_t block) {
-  std::size_t step = block * 618 / 1000 + 1;
-  while (std::gcd(step, block) > 1) ++step;
-  return step % block;
-}
 
 float squared(double value) { return static_cast<float>(value * value); }
 
@@ -57,7 +49,7 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
   std::size_t candidate_count = 0;
   std::array<std::uint32_t, kBlock> hashes;
   const std::size_t block = std::max<std::size_t>(1, kBlock / stride);
-  const std::size_t step = options.scattered ? scattering_step(block) : 1;
+  const std::size_t step = options.scattered ? scattering_step(block) % block : 1;
   for (std::size_t begin = options.phase; begin < cloud.size(); begin += block * stride) {
     const std::size_t remaining = (cloud.size() - begin + stride - 1) / stride;
     const std::size_t count = std::min(remaining, block);
