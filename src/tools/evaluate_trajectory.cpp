@@ -62,13 +62,10 @@ struct Alignment {
 
 /// T_estimate_truth: pose of the frame of the truth on the vehicle.
 Pose lever_arm_of(const Options& options) {
-  Pose pose;
-  if (!options.lever_arm.empty()) pose.translation = Eigen::Vector3d(options.lever_arm.data());
-  if (!options.lever_rotation_deg.empty()) {
-    const Eigen::Vector3d angles = Eigen::Vector3d(options.lever_rotation_deg.data()) * kRadPerDeg;
-    pose.rotation = rotation_from_rpy(angles.x(), angles.y(), angles.z());
-  }
-  return pose;
+  std::vector<double> numbers = options.lever_arm;
+  numbers.resize(3);  // no lever arm is one of zero
+  for (const double angle : options.lever_rotation_deg) numbers.push_back(angle);
+  return pose_from_degrees(numbers);
 }
 
 /// Alignment as by evo: a scale, a rigid motion, or both, from all poses or the first ones.
