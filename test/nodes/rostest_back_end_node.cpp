@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fstream>
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
+#include "figures.hpp"
 #include "listener.hpp"
 #include "near.hpp"
 #include "node_process.hpp"
@@ -109,7 +109,7 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
 
 /// Without loops and GNSS nothing is optimised unasked; the node is at work all the same.
 TEST_F(BackEndNode, SaysThatItMapsADriveOfTheLidarAlone) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   const auto node = start();
   publish(0, 5);
   ASSERT_TRUE(wait_for_key_frames(5));
@@ -235,7 +235,7 @@ TEST_F(BackEndNode, SaysThatItDropsLoopsWhoseKeyFramesDoNotCome) {
 
 /// As a back end does that starts in mid-drive.
 TEST_F(BackEndNode, KeepsVerdictsThatComeBeforeTheFirstKeyFrame) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   const auto node = start();
   const auto verdicts = connected_publisher<LoopVerdictMessage>("loop_verdict");
   LoopVerdict verdict;
@@ -244,21 +244,11 @@ TEST_F(BackEndNode, KeepsVerdictsThatComeBeforeTheFirstKeyFrame) {
     verdict.to += 7;
     verdicts.publish(ros_border::to_message(verdict, run_id, "base_link"));
   }
-  const auto shown = [&](const std::string& key, const std::string& part) {
-    return wait_until([&] {
-      for (const auto& message : diagnostics.messages) {
-        for (const auto& value : message.status.at(0).values) {
-          if (value.key == key && value.value.find(part) != std::string::npos) return true;
-        }
-      }
-      return false;
-    });
-  };
-  ASSERT_TRUE(shown("queue loop_verdict", " 2 handled")) << node->output();
+  ASSERT_TRUE(reports(diagnostics, "queue loop_verdict", ".* 2 handled.*")) << node->output();
   publish(0, 10);
   ASSERT_TRUE(wait_for_key_frames(10)) << node->output();
   EXPECT_EQ(known().searched, 8U);
-  EXPECT_TRUE(shown("verdicts of other runs", "1"));
+  EXPECT_TRUE(reports(diagnostics, "verdicts of other runs", "1"));
 }
 
 /// While the drive goes on nothing waits for long.

@@ -3,11 +3,11 @@
 #include <csignal>
 #include <set>
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/TwistStamped.h>
 #include <ros/master.h>
 #include <std_msgs/UInt32.h>
 
+#include "figures.hpp"
 #include "preprocessing_fixture.hpp"
 
 namespace lidar_mapping::test {
@@ -46,21 +46,12 @@ TEST_F(PreprocessingNode, MergesTheCloudsOfOtherLidars) {
 }
 
 TEST_F(PreprocessingNode, CountsTheCloudsOfOtherLidarsThatItLeavesOut) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   const auto others = connected_publisher<sensor_msgs::PointCloud2>("other_points");
   send_transform();
   others.publish(timed_yard(0, 0, "nowhere"));
   others.publish(timed_yard(1, 0, "nowhere"));
-  const auto is_counted = [](const diagnostic_msgs::DiagnosticArray& message) {
-    const auto& values = message.status.at(0).values;
-    return std::any_of(values.begin(), values.end(), [](const auto& value) {
-      return value.key == "clouds of other LiDARs left out" && value.value == "2";
-    });
-  };
-  EXPECT_TRUE(wait_until([&] {
-    const auto& messages = diagnostics.messages;
-    return std::any_of(messages.begin(), messages.end(), is_counted);
-  })) << node_->output();
+  EXPECT_TRUE(reports(diagnostics, "clouds of other LiDARs left out", "2")) << node_->output();
 }
 
 // Late tf, the LiDAR with and without other sensors, stamps bit for bit.
@@ -104,7 +95,7 @@ class StoppedMaster {
 
 // Nothing is asked of the master while scans go through, once it knows the datum of the run.
 TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   send_transform();
   drive(0, 5);
   ASSERT_TRUE(synced_.wait_for(5));
@@ -124,7 +115,7 @@ TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
 
 /// What the input validator found and what waits in the queue of a topic have names of their own.
 TEST_F(PreprocessingNode, ReportsEachFigureOnceAfterItHasLookedAtTheInput) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   send_transform();
   drive(0, 55);
   ASSERT_TRUE(synced_.wait_for(50)) << node_->output();
@@ -142,7 +133,7 @@ TEST_F(PreprocessingNode, ReportsEachFigureOnceAfterItHasLookedAtTheInput) {
 
 /// It was silent, or repeated that nobody publishes the points.
 TEST_F(PreprocessingNode, SaysInItsDiagnosticsWhyItPublishesNoScan) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   for (int step = 0; step < 3; ++step) send_cloud(step);
   EXPECT_TRUE(wait_until([&] {
     return !diagnostics.messages.empty() &&

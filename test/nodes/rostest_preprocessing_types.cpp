@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cstdint>
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TwistStamped.h>
 #include <tf2_msgs/TFMessage.h>
@@ -11,6 +9,7 @@
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
 #include "driver_messages.hpp"
+#include "figures.hpp"
 #include "preprocessing_fixture.hpp"
 #include "velodyne_encoder.hpp"
 
@@ -96,23 +95,14 @@ TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAVelodyne) {
 
 /// The check of the inputs ends after some seconds; damage does not.
 TEST(PreprocessingNodeWithDriver, CountsDamagedPacketsOfTheWholeDrive) {
-  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Diagnostics diagnostics("/diagnostics");
   NodeWithDriver<VelodyneScanMessage> node;
   for (const int step : {0, 100, 101}) {
     VelodyneScanMessage message = velodyne_turn(step);
     put_number(message.packets[10].data, 300, 0x1234, 2);  // the flag of a block
     node.send(message);
   }
-  const auto is_counted = [](const diagnostic_msgs::DiagnosticArray& message) {
-    const auto& values = message.status.at(0).values;
-    return std::any_of(values.begin(), values.end(), [](const auto& value) {
-      return value.key == "packets damaged" && value.value == "3";
-    });
-  };
-  EXPECT_TRUE(wait_until([&] {
-    const auto& messages = diagnostics.messages;
-    return std::any_of(messages.begin(), messages.end(), is_counted);
-  }));
+  EXPECT_TRUE(reports(diagnostics, "packets damaged", "3"));
 }
 
 TEST_F(PreprocessingNode, TakesWheelOdometryAndGeoPoints) {
