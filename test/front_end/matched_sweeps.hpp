@@ -38,7 +38,7 @@ inline std::vector<TrueSweep> true_sweeps(const simulation::Drive& drive, std::s
     TrueSweep sweep;
     sweep.stamp = scan.stamp;
     sweep.dense = sampler.sample_dense(scan);
-    sweep.between_rings = sampler.sample_between_rings(scan);
+    sweep.between_rings = sampler.sample_between_rings(scan, RingSurfaces::kAll);
     sweep.sampler = sampler;
     const Stamp middle = scan.stamp + from_seconds(sampler.reference());
     const Stamp half = from_seconds(0.05);

@@ -35,10 +35,10 @@ PointCloud seen(Range&& range) {
   return cloud;
 }
 
-SampledPoints between(const PointCloud& cloud) {
+SampledPoints between(const PointCloud& cloud, RingSurfaces surfaces = RingSurfaces::kAll) {
   SampledPoints points;
   points.viewpoint = kSensor.cast<float>();
-  RingInterpolator().interpolate(cloud, {0.05, 0.4, 100.0}, points);
+  RingInterpolator().interpolate(cloud, {0.05, 0.4, 100.0, surfaces}, points);
   return points;
 }
 
@@ -80,6 +80,18 @@ TEST(RingInterpolator, DoesNotConnectObjectsWithTheirBackground) {
     const double distance = std::hypot(points.x[i] - kSensor.x(), points.y[i] - kSensor.y());
     EXPECT_TRUE(distance < 8.01 || distance > 13.95) << distance;
   }
+}
+
+// Walls around a hall, 14 m away: rings are half a metre apart on them.
+TEST(RingInterpolator, LeavesOutWallsIfOnlyTheGroundIsWanted) {
+  const auto walls = [](const Eigen::Vector3d& ray) { return 14.0 / std::hypot(ray.x(), ray.y()); };
+  const auto on_walls = [](const SampledPoints& points) {
+    return std::count_if(points.z.begin(), points.z.end(), [](float z) { return z > 0.01F; });
+  };
+  EXPECT_GT(on_walls(between(seen(walls))), 500);
+  const SampledPoints ground = between(seen(walls), RingSurfaces::kGround);
+  EXPECT_GT(ground.size(), 500U);
+  EXPECT_EQ(on_walls(ground), 0);
 }
 
 TEST(RingInterpolator, AddsNothingBetweenCloseRings) {

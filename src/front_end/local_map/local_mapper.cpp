@@ -115,7 +115,7 @@ void LocalMapper::insert_points(const Scan& scan, const SampledPoints& dense, Sw
   // The surfaces of a room are small, and many rings hit each of them: with these points, the
   // error of a recorded sensor of 16 beams that stands in a room is 15 mm instead of 5.
   if (!is_indoors_ && state.coverage.inserted_scans < kInitialScans) {
-    state.map.insert(sweep.sample_between_rings(scan), motion);
+    state.map.insert(sweep.sample_between_rings(scan, RingSurfaces::kAll), motion);
   }
   ++state.coverage.inserted_scans;
   last_insertion_ = motion.T_map_sensor;
@@ -123,6 +123,12 @@ void LocalMapper::insert_points(const Scan& scan, const SampledPoints& dense, Sw
       kSinglePlaceRadius * state.map.fine().resolution()) {
     state.coverage.is_single_place = false;
   }
+}
+
+SampledPoints LocalMapper::first_points_between_rings(const Scan& scan, SweepSampler& sweep) const {
+  if (!is_indoors_) return sweep.between_rings();  // as inserted
+  if (ring_spacing_.spacing_at(start_pose_) == 0.0) return {};
+  return sweep.sample_between_rings(scan, RingSurfaces::kGround);
 }
 
 void LocalMapper::insert_at(const MotionState& motion, const SampledPoints& points,

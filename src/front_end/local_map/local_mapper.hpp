@@ -37,6 +37,10 @@ class LocalMapper {
   /// which are valid until the next scan is sampled.
   const SampledPoints& insert(const Scan& scan, SweepSampler& sweep, TrackerState& state,
                               StepTimer& timer);
+  /// Points between the rings of the map's first scan, to which its second scan is matched: in
+  /// rooms those of the floor, none if the rings cannot be told apart. To be called after the
+  /// insertion of that scan.
+  SampledPoints first_points_between_rings(const Scan& scan, SweepSampler& sweep) const;
   /// To be called if the scan is not inserted: then there is time for the calibration.
   void skip(StepTimer& timer);
   /// To be called if the points of a scan at this pose did not observe a direction.

@@ -27,6 +27,10 @@ constexpr float kMaxLineDistance = 0.15F;  // m
 /// by half.
 constexpr float kMaxGap = 8.0F;  // m
 
+/// Steepest slope of level ground: the tangent of 20 degrees. Chosen: above all ramps; stairs are
+/// steeper.
+constexpr float kMaxGroundSlope = 0.36F;
+
 /// A pseudo-angle from 0 to 4 that increases with the azimuth and replaces it: it needs no arc
 /// tangent.
 float pseudo_angle(float x, float y) {
@@ -92,15 +96,27 @@ bool RingInterpolator::is_straight(const Column& column, const RingPoint* s) {
          distance_to_line(s->p, (s - 1)->p, (s + 1)->p) < kMaxLineDistance;
 }
 
-void RingInterpolator::interpolate_column(const Column& column, std::size_t number, float spacing,
+bool RingInterpolator::has_surface(const Column& column, const RingPoint* s,
+                                   RingSurfaces surfaces) {
+  const bool begins = is_straight(column, s);
+  const bool ends = is_straight(column, s + 1);
+  if (surfaces == RingSurfaces::kAll) return begins || ends;
+  const Eigen::Vector3f d = (s + 1)->p - s->p;
+  return begins && ends && s->p.z() < 0.0F && (s + 1)->p.z() < 0.0F &&
+         std::abs(d.z()) < kMaxGroundSlope * d.head<2>().norm();
+}
+
+void RingInterpolator::interpolate_column(const Column& column, std::size_t number,
+                                          const RingInterpolationOptions& options,
                                           SampledPoints& points) {
+  const auto spacing = static_cast<float>(options.spacing);
   for (const RingPoint* s = column.begin; s + 1 < column.end; ++s) {
     const RingPoint& a = *s;
     const RingPoint& b = *(s + 1);
     const Eigen::Vector3f segment = b.p - a.p;
     const float gap = segment.norm();
     if (gap < spacing || gap > kMaxGap) continue;
-    if (!is_straight(column, s) && !is_straight(column, s + 1)) continue;
+    if (!has_surface(column, s, options.surfaces)) continue;
     // Near the sensor the columns are close together, so not all of them are needed.
     const float column_width = 0.5F * (a.p + b.p).norm() * static_cast<float>(2.0 * kPi / kColumns);
     if (number % std::max<std::size_t>(1, static_cast<std::size_t>(spacing / column_width)) != 0)
@@ -120,9 +136,7 @@ void RingInterpolator::interpolate(const PointCloud& cloud, const RingInterpolat
   const Eigen::Vector3f origin = *points.viewpoint;
   collect(cloud, origin, options.max_range);
   sort_by_columns();
-  for (std::size_t k = 0; k < kColumns; ++k) {
-    interpolate_column(column(k), k, static_cast<float>(options.spacing), points);
-  }
+  for (std::size_t k = 0; k < kColumns; ++k) interpolate_column(column(k), k, options, points);
   const auto reference = static_cast<float>(cloud.has_times() ? options.reference : 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     points.x[i] += origin.x();

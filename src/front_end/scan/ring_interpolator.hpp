@@ -10,10 +10,17 @@
 
 namespace lidar_mapping::front_end {
 
+/// On which surfaces points are interpolated.
+enum class RingSurfaces {
+  kAll,
+  kGround,  ///< level ones below the sensor
+};
+
 struct RingInterpolationOptions {
   double reference = 0.0;  ///< s after the stamp, from which times are counted
   double spacing = 0.4;    ///< m, between the interpolated points
   double max_range = 1e4;  ///< m from the sensor
+  RingSurfaces surfaces = RingSurfaces::kAll;
 };
 
 /// Interpolates points on the surfaces between the rings of a scan. A sensor with few rings shows
@@ -48,9 +55,11 @@ class RingInterpolator {
   Column column(std::size_t number);
   /// True if a point lies on the line through its neighbours on the rings above and below.
   static bool is_straight(const Column& column, const RingPoint* s);
+  /// True if a surface is assumed between this point and the next one of its column.
+  static bool has_surface(const Column& column, const RingPoint* s, RingSurfaces surfaces);
   /// Adds the interpolated points of the column with this number, relative to the sensor.
-  static void interpolate_column(const Column& column, std::size_t number, float spacing,
-                                 SampledPoints& points);
+  static void interpolate_column(const Column& column, std::size_t number,
+                                 const RingInterpolationOptions& options, SampledPoints& points);
 
   std::vector<RingPoint> ring_points_;
   std::vector<std::uint16_t> column_numbers_;  ///< the column of each point

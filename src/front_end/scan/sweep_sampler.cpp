@@ -104,8 +104,8 @@ const SampledPoints& SweepSampler::sample_dense(const Scan& scan) {
   return dense_;
 }
 
-const SampledPoints& SweepSampler::sample_between_rings(const Scan& scan) {
-  ring_interpolator_.interpolate(scan.cloud, {reference_, dense_cell_.edge(), max_range_},
+const SampledPoints& SweepSampler::sample_between_rings(const Scan& scan, RingSurfaces surfaces) {
+  ring_interpolator_.interpolate(scan.cloud, {reference_, dense_cell_.edge(), max_range_, surfaces},
                                  between_rings_);
   rotate_upwards(between_rings_, elevation_shift_);
   return between_rings_;

@@ -51,9 +51,9 @@ class SweepSampler {
   /// Samples the points for the map, from the scan for which sample() was called last; valid until
   /// the next call.
   const SampledPoints& sample_dense(const Scan& scan);
-  /// Interpolates points between the rings of the scan for which sample_dense() was called last;
-  /// they are also inserted into the map. Valid until the next call.
-  const SampledPoints& sample_between_rings(const Scan& scan);
+  /// Interpolates points between the rings of the scan for which sample_dense() was called last.
+  /// Valid until the next call.
+  const SampledPoints& sample_between_rings(const Scan& scan, RingSurfaces surfaces);
   const SampledPoints& between_rings() const { return between_rings_; }
 
  private:

@@ -31,7 +31,7 @@ void NdtTracker::start_map(const Scan& scan, const Pose& T_odom_base) {
   initialization_.add(scan.stamp, sweep_, state_.filter);
   insert(scan);
   initialization_.set_first_scan(sweep_.sample_dense(scan),
-                                 mapper_.is_indoors() ? SampledPoints{} : sweep_.between_rings(),
+                                 mapper_.first_points_between_rings(scan, sweep_),
                                  scan.cloud.has_times(), sweep_.reference());
 }
 
