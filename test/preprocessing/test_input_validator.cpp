@@ -203,6 +203,38 @@ TEST(InputValidator, FindsTimeOffsets) {
   }
 }
 
+/// The value that the faults recommend for a parameter; NaN if they do not.
+double recommended(const std::string& faults, const std::string& parameter) {
+  const std::string words = "set " + parameter + " to ";
+  const std::size_t at = faults.find(words);
+  return at == std::string::npos ? std::nan("") : std::stod(faults.substr(at + words.size()));
+}
+
+TEST(InputValidator, FindsNothingWhereTheTimeOffsetsOfTheConfigurationAreRight) {
+  Messages messages = clean();
+  for (ImuSample& sample : messages.imu) sample.stamp += from_seconds(0.05);
+  for (VelocitySample& sample : messages.velocity) sample.stamp += from_seconds(-0.04);
+  for (GnssFix& fix : messages.gnss) fix.stamp += from_seconds(0.06);
+  PreprocessingConfig config;
+  config.imu_time_offset = -0.05;
+  config.velocity_time_offset = 0.04;
+  config.gnss_time_offset = -0.06;
+  EXPECT_EQ(all_faults(messages, config), "");
+}
+
+TEST(InputValidator, RecommendsTimeOffsetsThatReplaceThoseOfTheConfiguration) {
+  Messages messages = clean();
+  for (ImuSample& sample : messages.imu) sample.stamp += from_seconds(0.03);
+  PreprocessingConfig of_imu;
+  of_imu.imu_time_offset = -0.08;
+  EXPECT_NEAR(recommended(all_faults(messages, of_imu), "imu_time_offset"), -0.03, 0.01);
+  messages = clean();
+  for (GnssFix& fix : messages.gnss) fix.stamp += from_seconds(0.03);
+  PreprocessingConfig of_gnss;
+  of_gnss.gnss_time_offset = -0.08;
+  EXPECT_NEAR(recommended(all_faults(messages, of_gnss), "gnss_time_offset"), -0.03, 0.01);
+}
+
 TEST(InputValidator, FindsVelocitiesInTheAxesOfTheMap) {
   Messages messages = clean();
   for (VelocitySample& sample : messages.velocity) {

@@ -45,10 +45,14 @@ constexpr double kMaxSigmaRatio = 3.0;
 // m/s^2. Chosen as of traffic; it also bends the path between fixes.
 constexpr double kUsualAcceleration = 1.0;
 
+/// With stamps that are moved by `gnss_time_offset`, as preprocessing does.
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
   std::vector<LocalFix> fixes;
-  for (const GnssFix& fix : gnss.usable.samples) fixes.push_back(frame.to_local(fix));
+  for (const GnssFix& fix : gnss.usable.samples) {
+    fixes.push_back(frame.to_local(fix));
+    fixes.back().stamp += from_seconds(config.gnss_time_offset);
+  }
   return fixes;
 }
 
@@ -94,10 +98,13 @@ Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>
   return steps;
 }
 
-std::vector<TimedValue> speeds_of(const VelocityRecord& velocity) {
+/// With stamps that are moved by `velocity_time_offset`, as preprocessing does.
+std::vector<TimedValue> speeds_of(const VelocityRecord& velocity,
+                                  const PreprocessingConfig& config) {
+  const Stamp shift = from_seconds(config.velocity_time_offset);
   std::vector<TimedValue> speeds;
   for (const VelocitySample& sample : velocity.samples) {
-    speeds.push_back({sample.stamp, sample.linear.norm()});
+    speeds.push_back({sample.stamp + shift, sample.linear.norm()});
   }
   return speeds;
 }
@@ -151,12 +158,14 @@ void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
                       std::ceil(scatter.measured() * 10.0) / 10.0));
 }
 
-/// False if too little is known of the antenna to check the stamps.
-bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
+/// False if too little is known of the antenna to check the stamps, which were moved by
+/// `configured` (s).
+bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna, double configured,
                    InputReport& report) {
   const AntennaFit::Result result = fit.result(kPriorArmSigma);
   if (result.delay_sigma > kMaxOffsetSigma) return false;
-  check_offset(TimeOffset{result.delay, result.delay_sigma}, "gnss_time_offset", report);
+  check_offset(TimeOffset{result.delay, result.delay_sigma}, "gnss_time_offset", configured,
+               report);
   const double off = result.arm_error.norm();
   if (off > std::max(kMinArmError, kSigmas * result.arm_sigma)) {
     const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
@@ -202,7 +211,7 @@ std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssReco
   FixScatter scatter;
   for (const LocalFix& fix : fixes) scatter.add(fix);
   const double min_length = kMinScatterRatio * (scatter.is_known() ? scatter.measured() : 0.0);
-  const std::vector<TimedValue> measured = speeds_of(velocity);
+  const std::vector<TimedValue> measured = speeds_of(velocity, config);
   std::vector<double> scales;
   std::size_t from = 0;
   for (const LocalFix& fix : fixes) {
@@ -235,12 +244,15 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
   replay(gnss, imu, velocity, extrinsics, config, track);
   const FixScatter& scatter = track.scatter();
   if (gnss.covariance_known) check_scatter(scatter, gnss, config, report);
-  const Steps steps = steps_of(local_fixes(gnss, config), speeds_of(velocity),
-                               scatter.is_known() ? scatter.measured() : 0.0);
+  const std::vector<TimedValue> speeds = speeds_of(velocity, config);
+  const Steps steps =
+      steps_of(local_fixes(gnss, config), speeds, scatter.is_known() ? scatter.measured() : 0.0);
   check_jumps(steps, report);
+  const double offset = config.gnss_time_offset;
   const auto T_base_antenna = extrinsics.T_base(gnss.topic.frame());
-  if (!T_base_antenna || !check_antenna(track.antenna_fit(), T_base_antenna->translation, report)) {
-    check_offset(time_offset(speeds_of(velocity), steps.speeds), "gnss_time_offset", report);
+  if (!T_base_antenna ||
+      !check_antenna(track.antenna_fit(), T_base_antenna->translation, offset, report)) {
+    check_offset(time_offset(speeds, steps.speeds), "gnss_time_offset", offset, report);
   }
   return report;
 }

@@ -55,9 +55,9 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
 std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
                                   const PreprocessingConfig& config);
 
-/// Adds a fault if the offset is large and significant; `parameter` is the parameter that corrects
-/// it.
+/// Adds a fault if the offset is large and significant. `parameter` is the parameter that corrects
+/// it; the stamps were moved by its present value `configured` (s) before they were compared.
 void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
-                  InputReport& report);
+                  double configured, InputReport& report);
 
 }  // namespace lidar_mapping::preprocessing

@@ -16,14 +16,17 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 /// Angular velocity about the vertical of base_link, or about the sensor's own z axis if its pose
-/// is not known.
+/// is not known. `offset` (s) is added to the stamps, as preprocessing does.
 template <typename Sample, typename Rate>
 std::vector<TimedValue> turning(const std::vector<Sample>& samples, Rate Sample::*rate,
-                                const std::optional<Pose>& T_base_sensor) {
+                                const std::optional<Pose>& T_base_sensor, double offset) {
   const Eigen::Quaterniond R =
       T_base_sensor ? T_base_sensor->rotation : Eigen::Quaterniond::Identity();
+  const Stamp shift = from_seconds(offset);
   std::vector<TimedValue> result;
-  for (const Sample& sample : samples) result.push_back({sample.stamp, (R * (sample.*rate)).z()});
+  for (const Sample& sample : samples) {
+    result.push_back({sample.stamp + shift, (R * (sample.*rate)).z()});
+  }
   return result;
 }
 
@@ -72,11 +75,14 @@ void check_gravity(const Eigen::Vector3d& mean, double gravity,
 }
 
 void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
-                 const ExtrinsicLookup& lookup, AngularUnit unit, InputReport& report) {
-  auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.topic.frame()));
+                 const ExtrinsicLookup& lookup, const PreprocessingConfig& config,
+                 InputReport& report) {
+  const AngularUnit unit = config.imu_angular_unit;
+  auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.topic.frame()),
+                       config.imu_time_offset);
   for (TimedValue& rate : rates) rate.value *= si_factor(unit);
-  const auto reference =
-      turning(velocity.samples, &VelocitySample::angular, lookup(velocity.topic.frame()));
+  const auto reference = turning(velocity.samples, &VelocitySample::angular,
+                                 lookup(velocity.topic.frame()), config.velocity_time_offset);
   const auto scale = ratio(rates, reference);
   const bool degrees =
       (scale && *scale > 0.5 * kDegPerRad) || max_turn_rate(imu.samples) > kMaxVehicleTurnRate;
@@ -85,14 +91,14 @@ void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   } else if (scale && *scale < 0.0) {
     add_fault(report, "it turns against the velocity's turning", "correct the transform");
   } else {
-    check_offset(time_offset(reference, rates), "imu_time_offset", report);
+    check_offset(time_offset(reference, rates), "imu_time_offset", config.imu_time_offset, report);
   }
 }
 
 }  // namespace
 
 void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
-                  InputReport& report) {
+                  double configured, InputReport& report) {
   // s. Chosen: at 1 rad/s the ends of a scan are then off by 1 degree.
   constexpr double kSignificantOffset = 0.02;
   if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
@@ -102,7 +108,7 @@ void check_offset(const std::optional<TimeOffset>& offset, const std::string& pa
   add_fault(report,
             formatted("its stamps are %.0f ms %s than those of the velocity for the same motion",
                       1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
-            formatted("set %s to %.3f", parameter.c_str(), -offset->seconds));
+            formatted("set %s to %.3f", parameter.c_str(), configured - offset->seconds));
 }
 
 InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
@@ -122,7 +128,7 @@ InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
                 max_turn_rate(imu.samples) * si_factor(config.imu_angular_unit),
                 has_orientation ? "with" : "without");
   if (has_acceleration) check_gravity(mean, gravity, lookup(imu.topic.frame()), report);
-  check_rates(imu, velocity, lookup, config.imu_angular_unit, report);
+  check_rates(imu, velocity, lookup, config, report);
   return report;
 }
 
