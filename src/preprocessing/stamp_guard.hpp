@@ -21,13 +21,14 @@ class StampGuard {
   bool accepts(Stamp stamp, Stamp now) {
     if (!newest_ || follows(*newest_, stamp) || (stamp > *newest_ && follows(now, stamp))) {
       newest_ = std::max(newest_.value_or(stamp), stamp);
-    } else if (unconfirmed_ && follows(*unconfirmed_, stamp)) {
+    } else if (has_unconfirmed_ && follows(unconfirmed_, stamp)) {
       newest_ = stamp;
     } else {
       unconfirmed_ = stamp;
+      has_unconfirmed_ = true;
       return false;
     }
-    unconfirmed_.reset();
+    has_unconfirmed_ = false;
     return true;
   }
 
@@ -41,7 +42,8 @@ class StampGuard {
   }
 
   std::optional<Stamp> newest_;
-  std::optional<Stamp> unconfirmed_;
+  Stamp unconfirmed_ = 0;  ///< the last refused stamp, if there is one since the newest
+  bool has_unconfirmed_ = false;
 };
 
 }  // namespace lidar_mapping::preprocessing
