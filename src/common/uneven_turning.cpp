@@ -10,8 +10,8 @@ namespace lidar_mapping {
 Eigen::Quaterniond UnevenTurning::at(double time) const {
   const double last = static_cast<double>(R_stamp_knot.size() - 1);
   const double position = std::clamp((time - begin) / step, 0.0, last);
+  if (!(position < last)) return R_stamp_knot.back();  // also at a time that is not a number
   const auto index = static_cast<std::size_t>(position);
-  if (index + 1 >= R_stamp_knot.size()) return R_stamp_knot.back();
   return R_stamp_knot[index].slerp(position - std::floor(position), R_stamp_knot[index + 1]);
 }
 

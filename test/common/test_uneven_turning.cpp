@@ -47,6 +47,14 @@ TEST(PutBack, TurnsEachPointBackByItsTime) {
   EXPECT_EQ(back.points[1].intensity, 8.0F);
 }
 
+TEST(PutBack, TurnsAPointWhoseTimeIsNotANumberAsAtTheEnd) {
+  PointCloud cloud;
+  cloud.points = {{1.0F, 0.0F, 2.0F, 7.0F}};
+  cloud.times = {std::nanf("")};
+  const Eigen::Vector3f turned(std::cos(0.1F), -std::sin(0.1F), 2.0F);
+  EXPECT_TRUE(test::near(put_back(turning(), cloud).points[0].position(), turned, 1e-6));
+}
+
 TEST(PutBack, LeavesACloudWithoutTimesAlone) {
   PointCloud cloud;
   cloud.points = {{1.0F, 0.0F, 2.0F, 7.0F}};
