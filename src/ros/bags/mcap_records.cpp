@@ -9,6 +9,9 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
+// The elements of a list in braces are evaluated in their order, so that a record whose members
+// stand in the order of the format is read as one.
+
 /// By the format, lists and maps have their length in bytes before them.
 McapReader list_of(McapReader& reader) { return McapReader(reader.bytes(reader.u32())); }
 
@@ -43,41 +46,24 @@ ByteRange McapReader::bytes(std::uint64_t size) {
 
 McapSchema mcap_schema(ByteRange content) {
   McapReader reader(content);
-  McapSchema schema;
-  schema.id = reader.u16();
-  schema.name = reader.text();
-  return schema;
+  return {reader.u16(), reader.text()};
 }
 
 McapChannel mcap_channel(ByteRange content) {
   McapReader reader(content);
-  McapChannel channel;
-  channel.id = reader.u16();
-  channel.schema = reader.u16();
-  channel.topic = reader.text();
-  channel.encoding = reader.text();
-  return channel;
+  return {reader.u16(), reader.u16(), reader.text(), reader.text()};
 }
 
 McapChunkHead mcap_chunk_head(McapReader& reader) {
-  McapChunkHead head;
   for (int i = 0; i < 2; ++i) reader.time();  // of the first and the last message
-  head.size = reader.u64();
-  head.crc = reader.u32();
-  head.compression = reader.text();
-  head.compressed_size = reader.u64();
-  return head;
+  return {reader.u64(), reader.u32(), reader.text(), reader.u64()};
 }
 
 McapMessageIndex mcap_message_index(ByteRange content) {
   McapReader reader(content);
-  McapMessageIndex index;
-  index.channel = reader.u16();
+  McapMessageIndex index{reader.u16(), {}};
   McapReader list = list_of(reader);
-  while (list.left() > 0) {
-    const Stamp logged = list.time();
-    index.entries.push_back({logged, list.u64()});
-  }
+  while (list.left() > 0) index.entries.push_back({list.time(), list.u64()});
   return index;
 }
 

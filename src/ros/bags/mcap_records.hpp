@@ -56,6 +56,8 @@ class McapReader {
   std::size_t at_ = 0;
 };
 
+// The members of these five stand in the order of the format.
+
 /// A type of message.
 struct McapSchema {
   std::uint16_t id = 0;
