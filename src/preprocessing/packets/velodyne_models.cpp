@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
@@ -61,7 +63,7 @@ LaserCorrection nominal_laser(const VelodyneModel& model, std::size_t laser) {
 
 bool has_flag(const VelodynePacket& packet, unsigned flag) {
   for (std::size_t block = 0; block < kBlocks; ++block) {
-    if (number_of_two_bytes(packet.data + block * kBlock) == flag) return true;
+    if (number_at<std::uint16_t>(packet.data + block * kBlock) == flag) return true;
   }
   return false;
 }

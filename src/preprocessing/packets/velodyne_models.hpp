@@ -35,9 +35,4 @@ constexpr std::size_t kBlocks = 12;  // of a packet, by the user's manual
 constexpr unsigned kUpperBlock = 0xEEFF;  // little-endian, by the user's manual
 constexpr unsigned kLowerBlock = 0xDDFF;  // little-endian, by the user's manual of the HDL-64E
 
-/// The number of two bytes, the lower one first.
-inline unsigned number_of_two_bytes(const unsigned char* bytes) {
-  return bytes[0] + 256U * bytes[1];
-}
-
 }  // namespace lidar_mapping::preprocessing

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/units.hpp"
 
@@ -39,20 +40,21 @@ constexpr double kNearX = 2.4, kNearY = 1.93, kFar = 25.04;
 /// Counts of the range of an HDL-64E at which its focal distances end, by its user's manual.
 constexpr double kFocalEnd = 13100.0;
 
-unsigned azimuth_of(const unsigned char* block) { return number_of_two_bytes(block + kAzimuth); }
+unsigned azimuth_of(const unsigned char* block) {
+  return number_at<std::uint16_t>(block + kAzimuth);
+}
 
 bool is_whole(const VelodynePacket& packet) {
   for (std::size_t b = 0; b < kBlocks; ++b) {
     const unsigned char* block = packet.data + b * kBlock;
-    const unsigned flag = number_of_two_bytes(block);
+    const unsigned flag = number_at<std::uint16_t>(block);
     if ((flag != kUpperBlock && flag != kLowerBlock) || azimuth_of(block) >= kTurn) return false;
   }
   return true;
 }
 
 std::int64_t sensor_microseconds(const VelodynePacket& packet) {
-  const unsigned char* const time = packet.data + kTime;
-  return number_of_two_bytes(time) + std::int64_t{65536} * number_of_two_bytes(time + 2);
+  return number_at<std::uint32_t>(packet.data + kTime);
 }
 
 /// Seconds from the first packet to each one by the sensor's clock; empty if that is no clock.
@@ -204,13 +206,13 @@ class PointCollector {
                  double duration) {
     const unsigned char* const at = packet + block * kBlock;
     const unsigned char* const first = first_return(packet, group, block);
-    const std::size_t bank = number_of_two_bytes(at) == kLowerBlock ? kChannelsOfBlock : 0;
+    const std::size_t bank = number_at<std::uint16_t>(at) == kLowerBlock ? kChannelsOfBlock : 0;
     for (std::size_t channel = 0; channel < kChannelsOfBlock; ++channel) {
       const unsigned char* const measured = at + kChannels + channel * kChannel;
-      const unsigned counts = number_of_two_bytes(measured);
+      const unsigned counts = number_at<std::uint16_t>(measured);
       if (counts == 0) continue;  // no return
       if (first != nullptr &&
-          counts == number_of_two_bytes(first + kChannels + channel * kChannel)) {
+          counts == number_at<std::uint16_t>(first + kChannels + channel * kChannel)) {
         continue;  // the strongest return is the last one, too
       }
       const std::size_t laser = (channel + bank) % model_.lasers;
@@ -225,9 +227,9 @@ class PointCollector {
   /// The block with the other return of the same lasers; null for the first one.
   static const unsigned char* first_return(const unsigned char* packet, const Group& group,
                                            std::size_t block) {
-    const unsigned flag = number_of_two_bytes(packet + block * kBlock);
+    const unsigned flag = number_at<std::uint16_t>(packet + block * kBlock);
     for (std::size_t other = group.begin; other < block; ++other) {
-      if (number_of_two_bytes(packet + other * kBlock) == flag) return packet + other * kBlock;
+      if (number_at<std::uint16_t>(packet + other * kBlock) == flag) return packet + other * kBlock;
     }
     return nullptr;
   }
