@@ -17,13 +17,6 @@ McapReader list_of(McapReader& reader) { return McapReader(reader.bytes(reader.u
 
 }  // namespace
 
-std::uint64_t McapReader::number(std::size_t size) {
-  const ByteRange from = bytes(size);
-  std::uint64_t number = 0;
-  for (std::size_t i = size; i-- > 0;) number = number << 8U | from.first[i];
-  return number;
-}
-
 Stamp McapReader::time() {
   const std::uint64_t time = u64();
   if (time / kNanosecondsPerSecond > std::numeric_limits<std::uint32_t>::max()) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/ros/byte_range.hpp"
 
@@ -38,9 +39,9 @@ class McapReader {
   /// The bytes stay where they are.
   explicit McapReader(ByteRange bytes) : bytes_(bytes) {}
 
-  std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
-  std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
-  std::uint64_t u64() { return number(8); }
+  std::uint16_t u16() { return number_at<std::uint16_t>(bytes(2).first); }
+  std::uint32_t u32() { return number_at<std::uint32_t>(bytes(4).first); }
+  std::uint64_t u64() { return number_at<std::uint64_t>(bytes(8).first); }
   /// A time, which has to fit into a time of ROS.
   Stamp time();
   std::string text();
@@ -50,8 +51,6 @@ class McapReader {
   std::size_t left() const { return bytes_.size - at_; }
 
  private:
-  std::uint64_t number(std::size_t size);
-
   ByteRange bytes_;
   std::size_t at_ = 0;
 };
