@@ -105,17 +105,15 @@ class BagFile : public ChunkedRecording {
   ChunkContent read(const BagChunk& chunk, ChunkMemory& memory) override {
     const Record record = record_at(chunk.position);
     const auto compression = record.fields.find("compression");
-    if (!is(record, kChunk) || compression == record.fields.end()) {
-      fail_at(record.position);
-    }
+    if (!is(record, kChunk) || compression == record.fields.end()) fail_at(record.position);
     ChunkContent content;
     content.size = number<std::uint32_t>(record, "size");
     if (content.size > largest_content(compression->second, record.size)) {
-      fail_chunk(record.position);
+      file_.fail("a chunk is damaged", record.position);
     }
     content.bytes = memory.take(content.size);
     if (compression->second == "none") {
-      if (record.size != content.size) fail_chunk(record.position);
+      if (record.size != content.size) file_.fail("a chunk is damaged", record.position);
       file_.read(record.data, content.bytes.get(), content.size);
       return content;
     }
@@ -125,7 +123,7 @@ class BagFile : public ChunkedRecording {
       decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
                  content.size);
     } catch (const InputError& error) {
-      fail(std::string(error.what()) + " at byte " + std::to_string(record.position));
+      file_.fail(error.what(), record.position);
     }
     return content;
   }
@@ -157,9 +155,6 @@ class BagFile : public ChunkedRecording {
   [[noreturn]] void fail(const std::string& reason) const { file_.fail(reason); }
   [[noreturn]] void fail_at(std::uint64_t position) const {
     fail("the record at byte " + std::to_string(position) + " is damaged");
-  }
-  [[noreturn]] void fail_chunk(std::uint64_t position) const {
-    fail("a chunk is damaged at byte " + std::to_string(position));
   }
 
   template <typename Number>
