@@ -120,9 +120,8 @@ class PreprocessingNode {
   void add(const SensorInput<GnssFix>& input);
   void follow_transforms();
   void check_sentence(const topic_tools::ShapeShifter& message);
-  template <typename Sample>
-  void add_if_readable(const std::string& topic, const topic_tools::ShapeShifter& message,
-                       const std::optional<SensorInput<Sample>>& input);
+  template <typename Messages>
+  void add_if_readable(const std::string& topic, const topic_tools::ShapeShifter& message);
   void publish(std::vector<preprocessing::SyncedScan> scans);
   void publish(const preprocessing::SyncedScan& scan);
   void publish_datum(Stamp stamp);
@@ -191,7 +190,7 @@ void PreprocessingNode::subscribe_sensors() {
       subscribe<topic_tools::ShapeShifter>(context_, "gnss", samples,
                                            [this](const auto& message) {
                                              check_sentence(*message);
-                                             add_if_readable("gnss", *message, read_gnss(*message));
+                                             add_if_readable<GnssMessages>("gnss", *message);
                                            }),
       subscribe<WireMessage>(
           context_, "points", scans, [this](const auto& message) { add_cloud(message); },
@@ -200,9 +199,8 @@ void PreprocessingNode::subscribe_sensors() {
                              [this](const auto& message) { add_other_cloud(message); })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
-      context_, "velocity", samples, [this](const auto& message) {
-        add_if_readable("velocity", *message, read_velocity(*message));
-      }));
+      context_, "velocity", samples,
+      [this](const auto& message) { add_if_readable<VelocityMessages>("velocity", *message); }));
 }
 
 /// Uses the velocity of a wheel odometry that is published as transforms.
@@ -309,12 +307,14 @@ void PreprocessingNode::check_sentence(const topic_tools::ShapeShifter& message)
   if (!warning.empty()) ROS_WARN_STREAM(context_.node.resolveName("gnss") << ": " << warning);
 }
 
-template <typename Sample>
+template <typename Messages>
 void PreprocessingNode::add_if_readable(const std::string& topic,
-                                        const topic_tools::ShapeShifter& message,
-                                        const std::optional<SensorInput<Sample>>& input) {
-  if (input) return add(*input);
-  if (is_velocity_type(message.getDataType()) || is_gnss_type(message.getDataType())) return;
+                                        const topic_tools::ShapeShifter& message) {
+  if (const auto input = Messages::read(message)) return add(*input);
+  if (contains(VelocityMessages::types(), message.getDataType()) ||
+      contains(GnssMessages::types(), message.getDataType())) {
+    return;
+  }
   ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
                         << " holds " << message.getDataType()
                         << ", which is not read; doc/preprocessing.md has the types that are");

@@ -302,10 +302,12 @@ class BagInput::Impl {
     if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       return framed(ros_border::input_of(*imu), message.recorded);
     }
-    if (const auto velocity = ros_border::read_velocity(message)) {
+    if (const auto velocity = ros_border::VelocityMessages::read(message)) {
       return framed(*velocity, message.recorded);
     }
-    if (const auto fix = ros_border::read_gnss(message)) return framed(*fix, message.recorded);
+    if (const auto fix = ros_border::GnssMessages::read(message)) {
+      return framed(*fix, message.recorded);
+    }
     return std::nullopt;
   }
 

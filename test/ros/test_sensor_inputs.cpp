@@ -5,6 +5,7 @@
 #include <rosbag/bag.h>
 #include <topic_tools/shape_shifter.h>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
@@ -96,8 +97,10 @@ void expect_the_fix(const std::optional<SensorInput<GnssFix>>& input) {
   EXPECT_FALSE(input->sample.covariance);
 }
 
-constexpr auto velocity_of = [](const BagMessage& message) { return read_velocity(message); };
-constexpr auto fix_of = [](const BagMessage& message) { return read_gnss(message); };
+constexpr auto velocity_of = [](const BagMessage& message) {
+  return VelocityMessages::read(message);
+};
+constexpr auto fix_of = [](const BagMessage& message) { return GnssMessages::read(message); };
 
 class SensorInputs : public testing::Test {
  protected:
@@ -151,12 +154,12 @@ TEST_F(SensorInputs, AreReadFromEveryTypeThatABagHolds) {
 }
 
 TEST(SensorInputsReceived, AreReadFromEveryType) {
-  expect_the_velocity(read_velocity(as_received(twist_stamped())));
-  expect_the_velocity(read_velocity(as_received(twist_with_covariance())));
-  expect_the_velocity(read_velocity(as_received(odometry())));
-  expect_the_fix(read_gnss(as_received(nav_sat_fix())));
-  expect_the_fix(read_gnss(as_received(geo_point())));
-  EXPECT_FALSE(read_gnss(as_received(odometry())));
+  expect_the_velocity(VelocityMessages::read(as_received(twist_stamped())));
+  expect_the_velocity(VelocityMessages::read(as_received(twist_with_covariance())));
+  expect_the_velocity(VelocityMessages::read(as_received(odometry())));
+  expect_the_fix(GnssMessages::read(as_received(nav_sat_fix())));
+  expect_the_fix(GnssMessages::read(as_received(geo_point())));
+  EXPECT_FALSE(GnssMessages::read(as_received(odometry())));
 }
 
 TEST_F(SensorInputs, FixesAreFoundAsGeoPointsWhereThereIsNothingBetter) {
@@ -178,17 +181,17 @@ TEST_F(SensorInputs, FixesAreReadFromTheSentencesOfAReceiver) {
   BagStream messages = there.messages_of({"/nmea_sentence"});
   const auto other = messages.next();
   ASSERT_TRUE(other);
-  EXPECT_FALSE(read_gnss(*other)) << "only some sentences hold a fix";
-  EXPECT_TRUE(is_gnss_type(other->getDataType()));
+  EXPECT_FALSE(GnssMessages::read(*other)) << "only some sentences hold a fix";
+  EXPECT_TRUE(contains(GnssMessages::types(), other->getDataType()));
   const auto message = messages.next();
   ASSERT_TRUE(message);
-  const auto fix = read_gnss(*message);
+  const auto fix = GnssMessages::read(*message);
   ASSERT_TRUE(fix);
   EXPECT_EQ(fix->sample.stamp, kStamp);
   EXPECT_EQ(fix->frame_id, "sensor");
   EXPECT_NEAR(fix->sample.latitude_deg, 49.01, 1e-9);
   EXPECT_NEAR(fix->sample.altitude_m, 115.5, 1e-9);
-  EXPECT_TRUE(read_gnss(as_received(sentence(kGga))));
+  EXPECT_TRUE(GnssMessages::read(as_received(sentence(kGga))));
   for (const auto& diagnostic : gnss_diagnostics(there)) {
     EXPECT_EQ(diagnostic.text.find("not NavSatFix"), std::string::npos) << diagnostic.text;
   }

@@ -17,16 +17,6 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Types of message that a velocity is read from; of nav_msgs/Odometry it is the twist, in the axes
-/// of its child_frame_id. In recordings the first is used as a velocity without request, and an
-/// odometry if its twist agrees with its poses: they often hold something else (a velocity in
-/// East-North-Up, an odometry that leaves its twist empty).
-const std::vector<std::string>& velocity_types();
-
-/// Types of message that fixes are read from; the earlier are preferred. A GeoPoint has neither
-/// status nor covariance: it counts as a fix of unknown accuracy. Of NMEA sentences GGA is read.
-const std::vector<std::string>& gnss_types();
-
 /// A sample, and the frame of its sensor as the message names it.
 template <typename Sample>
 struct SensorInput {
@@ -49,38 +39,43 @@ SensorInput<GnssFix> input_of(const GeoPointStamped& message);
 /// The fix in a sentence; nothing in one that holds none, as most do.
 std::optional<SensorInput<GnssFix>> input_of(const NmeaSentence& message);
 
-/// The data in a message of any type if it is one of `Messages`. `AnyMessage` is
-/// rosbag::MessageInstance or topic_tools::ShapeShifter.
-template <typename Sample, typename Message, typename... Messages, typename AnyMessage>
-std::optional<SensorInput<Sample>> read_one_of(const AnyMessage& any) {
-  if (any.getDataType() == ros::message_traits::DataType<Message>::value()) {
-    const auto message = any.template instantiate<Message>();
-    if (!message) return std::nullopt;
-    return input_of(*message);
+/// The types of message that a sample is read from.
+template <typename Sample, typename... Messages>
+class SensorMessages {
+ public:
+  /// Their names: package/Name.
+  static const std::vector<std::string>& types() {
+    static const std::vector<std::string> names = {
+        ros::message_traits::DataType<Messages>::value()...};
+    return names;
   }
-  if constexpr (sizeof...(Messages) > 0) {
-    return read_one_of<Sample, Messages...>(any);
-  } else {
-    return std::nullopt;
+  /// The data in a message of any type; nothing if it is of another one, or holds nothing.
+  /// `AnyMessage` is BagMessage, rosbag::MessageInstance or topic_tools::ShapeShifter.
+  template <typename AnyMessage>
+  static std::optional<SensorInput<Sample>> read(const AnyMessage& any) {
+    std::optional<SensorInput<Sample>> input;
+    (read_if<Messages>(any, input), ...);
+    return input;
   }
-}
 
-/// The velocity in a message of one of velocity_types(); nothing in others.
-template <typename AnyMessage>
-std::optional<SensorInput<VelocitySample>> read_velocity(const AnyMessage& any) {
-  return read_one_of<VelocitySample, geometry_msgs::TwistStamped,
-                     geometry_msgs::TwistWithCovarianceStamped, nav_msgs::Odometry>(any);
-}
+ private:
+  template <typename Message, typename AnyMessage>
+  static void read_if(const AnyMessage& any, std::optional<SensorInput<Sample>>& input) {
+    if (any.getDataType() != ros::message_traits::DataType<Message>::value()) return;
+    if (const auto message = any.template instantiate<Message>()) input = input_of(*message);
+  }
+};
 
-/// The fix in a message of one of gnss_types(); nothing in others.
-template <typename AnyMessage>
-std::optional<SensorInput<GnssFix>> read_gnss(const AnyMessage& any) {
-  return read_one_of<GnssFix, sensor_msgs::NavSatFix, GeoPointStamped, NmeaSentence>(any);
-}
+/// Messages that a velocity is read from; of nav_msgs/Odometry it is the twist, in the axes of its
+/// child_frame_id. In recordings the first is used as a velocity without request, and an odometry
+/// if its twist agrees with its poses: they often hold something else (a velocity in
+/// East-North-Up, an odometry that leaves its twist empty).
+using VelocityMessages =
+    SensorMessages<VelocitySample, geometry_msgs::TwistStamped,
+                   geometry_msgs::TwistWithCovarianceStamped, nav_msgs::Odometry>;
 
-/// A velocity is read from messages of this type; a single one may hold nothing.
-bool is_velocity_type(const std::string& type);
-/// Fixes are read from messages of this type; a single one may hold nothing.
-bool is_gnss_type(const std::string& type);
+/// Messages that fixes are read from; the earlier are preferred. A GeoPoint has neither status nor
+/// covariance: it counts as a fix of unknown accuracy. Of NMEA sentences GGA is read.
+using GnssMessages = SensorMessages<GnssFix, sensor_msgs::NavSatFix, GeoPointStamped, NmeaSentence>;
 
 }  // namespace lidar_mapping::ros_border

@@ -16,8 +16,8 @@ struct SensorTopics {
   /// them, the main one first.
   std::string points;
   std::string imu;                             ///< sensor_msgs/Imu
-  std::string velocity;                        ///< one of velocity_types()
-  std::string gnss;                            ///< one of gnss_types()
+  std::string velocity;                        ///< one of VelocityMessages::types()
+  std::string gnss;                            ///< one of GnssMessages::types()
   std::vector<std::string> other_points = {};  ///< of the other LiDARs on the vehicle
 
   /// All LiDARs' topics as a request.

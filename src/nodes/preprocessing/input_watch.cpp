@@ -35,7 +35,7 @@ OverlookedSensors optional_inputs(const ros::NodeHandle& node) {
     return OptionalInput{name, node.resolveName(name), types};
   };
   return {{input("imu", {ros::message_traits::DataType<sensor_msgs::Imu>::value()}),
-           input("velocity", velocity_types()), input("gnss", gnss_types())},
+           input("velocity", VelocityMessages::types()), input("gnss", GnssMessages::types())},
           own_topics(node)};
 }
 

@@ -152,9 +152,9 @@ class RecordingValidator {
       add(*cloud, message.recorded);
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       input_validator_.add_imu(from_message(*imu), imu->header.frame_id);
-    } else if (const auto velocity = read_velocity(message)) {
+    } else if (const auto velocity = VelocityMessages::read(message)) {
       input_validator_.add_velocity(velocity->sample, velocity->frame_id);
-    } else if (const auto fix = read_gnss(message)) {
+    } else if (const auto fix = GnssMessages::read(message)) {
       input_validator_.add_gnss(fix->sample, fix->frame_id);
     } else if (const auto sentence = message.instantiate<NmeaSentence>()) {
       const std::string warning = sentences_.add(sentence->sentence);

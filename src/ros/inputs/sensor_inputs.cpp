@@ -3,7 +3,6 @@
 
 #include <sensor_msgs/NavSatStatus.h>
 
-#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
@@ -11,33 +10,11 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-template <typename Message>
-std::string type_of() {
-  return ros::message_traits::DataType<Message>::value();
-}
-
 VelocitySample velocity(const std_msgs::Header& header, const geometry_msgs::Twist& twist) {
   return {from_ros(header.stamp), from_message(twist.linear), from_message(twist.angular)};
 }
 
 }  // namespace
-
-const std::vector<std::string>& velocity_types() {
-  static const std::vector<std::string> types = {
-      type_of<geometry_msgs::TwistStamped>(), type_of<geometry_msgs::TwistWithCovarianceStamped>(),
-      type_of<nav_msgs::Odometry>()};
-  return types;
-}
-
-const std::vector<std::string>& gnss_types() {
-  static const std::vector<std::string> types = {
-      type_of<sensor_msgs::NavSatFix>(), type_of<GeoPointStamped>(), type_of<NmeaSentence>()};
-  return types;
-}
-
-bool is_velocity_type(const std::string& type) { return contains(velocity_types(), type); }
-
-bool is_gnss_type(const std::string& type) { return contains(gnss_types(), type); }
 
 SensorInput<ImuSample> input_of(const sensor_msgs::Imu& message) {
   return {from_message(message), message.header.frame_id};

@@ -132,17 +132,17 @@ SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
   resolve_topic(wanted.points, "/kitti/velo/pointcloud", cloud_type_names(), bags);
   check_definition(wanted.points, bags);
   resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
-  resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
-  resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
+  resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", VelocityMessages::types(), bags);
+  resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", GnssMessages::types(), bags);
   const std::vector<std::string> clouds = cloud_topics(bags);
   if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
   const auto fill = [&](std::string& topic, const std::string& type) {
     if (topic.empty()) topic = busiest_topic(bags, type);
   };
   fill(wanted.imu, "sensor_msgs/Imu");
-  fill(wanted.velocity, velocity_types().front());
+  fill(wanted.velocity, VelocityMessages::types().front());
   if (wanted.velocity.empty()) wanted.velocity = odometry_with_twist(bags);
-  for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
+  for (const std::string& type : GnssMessages::types()) fill(wanted.gnss, type);
   return wanted;
 }
 
