@@ -311,10 +311,7 @@ template <typename Messages>
 void PreprocessingNode::add_if_readable(const std::string& topic,
                                         const topic_tools::ShapeShifter& message) {
   if (const auto input = Messages::read(message)) return add(*input);
-  if (contains(VelocityMessages::types(), message.getDataType()) ||
-      contains(GnssMessages::types(), message.getDataType())) {
-    return;
-  }
+  if (contains(Messages::types(), message.getDataType())) return;
   ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
                         << " holds " << message.getDataType()
                         << ", which is not read; doc/preprocessing.md has the types that are");

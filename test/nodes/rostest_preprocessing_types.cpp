@@ -183,13 +183,23 @@ TEST_F(PreprocessingNode, RefusesItsOwnOdometryAsThatOfTheWheels) {
   EXPECT_TRUE(other.says("robot_odom_frame_id: 'odom'")) << other.output();
 }
 
+/// Whether the node names the type of a message that is published as a velocity.
+template <typename Message>
+bool names_type_of_velocity(const NodeProcess& node) {
+  const auto publisher = connected_publisher<Message>("velocity");
+  const std::string type = ros::message_traits::DataType<Message>::value();
+  return wait_until([&] {
+    publisher.publish(Message());
+    return node.says("/velocity holds " + type + ", which is not read");
+  });
+}
+
 TEST_F(PreprocessingNode, NamesATypeThatItDoesNotRead) {
-  const auto twist = connected_publisher<geometry_msgs::PoseStamped>("velocity");
-  ASSERT_TRUE(wait_until([] { return is_connected("velocity"); }));
-  EXPECT_TRUE(wait_until([&] {
-    twist.publish(geometry_msgs::PoseStamped());
-    return node_->says("/velocity holds geometry_msgs/PoseStamped, which is not read");
-  })) << node_->output();
+  EXPECT_TRUE(names_type_of_velocity<geometry_msgs::PoseStamped>(*node_)) << node_->output();
+}
+
+TEST_F(PreprocessingNode, NamesATypeThatItReadsFromAnotherTopic) {
+  EXPECT_TRUE(names_type_of_velocity<sensor_msgs::NavSatFix>(*node_)) << node_->output();
 }
 
 }  // namespace
