@@ -7,6 +7,8 @@
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
+#include "bags/wire_array.hpp"
+
 namespace lidar_mapping::ros_border {
 
 std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded) {
@@ -15,10 +17,7 @@ std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded) {
   // and stamp, translation and rotation.
   constexpr std::uint32_t kShortest = 4 + 8 + 4 + 4 + 7 * 8;
   ros::serialization::IStream stream = recorded.stream();
-  std::uint32_t count = 0;
-  stream.next(count);
-  // The library allocates this number of transforms before it checks that the data have them.
-  if (count > stream.getLength() / kShortest) ros::serialization::throwStreamOverrun();
+  array_length(stream, kShortest);
   return recorded.instantiate<tf2_msgs::TFMessage>();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clouds/livox_cloud.hpp"
 
+#include "bags/wire_array.hpp"
 #include "clouds/cloud_fields.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -20,9 +21,7 @@ RecordedCloud read_livox_cloud(ros::serialization::IStream stream) {
   stream.next(cloud.message.header);
   // The stamp is that of the first point, as the time base is, by the clock of the header.
   stream.advance(kBase + kCounts);
-  std::uint32_t count = 0;
-  stream.next(count);
-  if (count > stream.getLength() / kPoint) ros::serialization::throwStreamOverrun();
+  cloud.data = array_bytes(stream, kPoint);
   set_layout(cloud.message,
              {{"offset_time", PointField::UINT32, 0},
               {"x", PointField::FLOAT32, 4},
@@ -31,8 +30,7 @@ RecordedCloud read_livox_cloud(ros::serialization::IStream stream) {
               {"reflectivity", PointField::UINT8, 16},
               {"tag", PointField::UINT8, 17},
               {"line", PointField::UINT8, 18}},
-             kPoint, count);
-  cloud.data = {stream.advance(count * kPoint), count * kPoint};
+             kPoint, static_cast<std::uint32_t>(cloud.data.size / kPoint));
   return cloud;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "bags/wire_array.hpp"
 #include "clouds/cloud_fields.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -20,21 +21,13 @@ struct Channel {
   const std::uint8_t* values;
 };
 
-/// The number of elements; throws if the message is too short for so many of `size` bytes.
-std::uint32_t read_count(ros::serialization::IStream& stream, std::uint32_t size) {
-  std::uint32_t count = 0;
-  stream.next(count);
-  if (count > stream.getLength() / size) ros::serialization::throwStreamOverrun();
-  return count;
-}
-
 /// Channels that do not have a value for each point are left out.
 std::vector<Channel> read_channels(ros::serialization::IStream& stream, std::uint32_t points) {
   std::vector<Channel> channels;
-  for (std::uint32_t left = read_count(stream, kShortestChannel); left > 0; --left) {
+  for (std::uint32_t left = array_length(stream, kShortestChannel); left > 0; --left) {
     Channel channel;
     stream.next(channel.name);
-    const std::uint32_t values = read_count(stream, kValue);
+    const std::uint32_t values = array_length(stream, kValue);
     channel.values = stream.advance(values * kValue);
     if (values == points) channels.push_back(channel);
   }
@@ -57,7 +50,7 @@ std::vector<FieldLayout> fields_of(const std::vector<Channel>& channels) {
 RecordedCloud read_point_cloud1(ros::serialization::IStream stream) {
   RecordedCloud cloud;
   stream.next(cloud.message.header);
-  const std::uint32_t count = read_count(stream, kPosition);
+  const std::uint32_t count = array_length(stream, kPosition);
   const std::uint8_t* const positions = stream.advance(count * kPosition);
   const std::vector<Channel> channels = read_channels(stream, count);
   const auto step = static_cast<std::uint32_t>(kPosition + kValue * channels.size());

@@ -6,6 +6,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/cloud_types.hpp"
 
+#include "bags/wire_array.hpp"
 #include "clouds/livox_cloud.hpp"
 #include "clouds/point_cloud1.hpp"
 #include "clouds/velodyne_scan.hpp"
@@ -17,30 +18,18 @@ namespace {
 /// Bytes, by the format of sensor_msgs/PointField: an empty name, offset, datatype and count.
 constexpr std::uint32_t kShortestField = 4 + 4 + 1 + 4;
 
-/// Not by the library, which allocates the number of fields before it checks that the data have
-/// them, so that a damaged number could exhaust the memory.
-void read_fields(ros::serialization::IStream& stream,
-                 std::vector<sensor_msgs::PointField>& fields) {
-  std::uint32_t count = 0;
-  stream.next(count);
-  if (count > stream.getLength() / kShortestField) ros::serialization::throwStreamOverrun();
-  fields.resize(count);
-  for (sensor_msgs::PointField& field : fields) stream.next(field);
-}
-
 RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
   RecordedCloud cloud;
   sensor_msgs::PointCloud2& message = cloud.message;
   stream.next(message.header);
   stream.next(message.height);
   stream.next(message.width);
-  read_fields(stream, message.fields);
+  message.fields.resize(array_length(stream, kShortestField));
+  for (sensor_msgs::PointField& field : message.fields) stream.next(field);
   stream.next(message.is_bigendian);
   stream.next(message.point_step);
   stream.next(message.row_step);
-  std::uint32_t length = 0;
-  stream.next(length);
-  cloud.data = {stream.advance(length), length};
+  cloud.data = array_bytes(stream);
   return cloud;
 }
 

@@ -5,6 +5,8 @@
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
+#include "bags/wire_array.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -20,10 +22,7 @@ constexpr std::uint32_t kPacket = kTime + VelodynePacket::kBytes;
 RecordedCloud read_velodyne_scan(ros::serialization::IStream stream) {
   RecordedCloud cloud;
   stream.next(cloud.message.header);
-  std::uint32_t count = 0;
-  stream.next(count);
-  if (count > stream.getLength() / kPacket) ros::serialization::throwStreamOverrun();
-  cloud.data = {stream.advance(count * kPacket), count * kPacket};
+  cloud.data = array_bytes(stream, kPacket);
   cloud.holds_packets = true;
   return cloud;
 }

@@ -14,6 +14,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
+#include "bags/wire_array.hpp"
 #include "clouds/ouster_metadata.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -65,9 +66,7 @@ BagMessage serialized(const Message& message, const BagConnection& connection, S
 /// cut off.
 ByteRange bytes_in(const BagMessage& message) {
   ros::serialization::IStream stream = message.stream();
-  std::uint32_t size = 0;
-  stream.next(size);
-  return {stream.advance(size), size};
+  return array_bytes(stream);
 }
 
 /// Throws InputError for a packet of another size; older drivers add a byte.
