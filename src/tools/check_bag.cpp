@@ -14,6 +14,7 @@
 #include "bag_paths.hpp"
 #include "command_line/run_command.hpp"
 #include "parameters/config_path.hpp"
+#include "recording/drive_arguments.hpp"
 
 namespace {
 
@@ -34,12 +35,7 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) + "; the parameters to judge by");
   app.add_option("--base-frame", options.base_frame, "frame of the vehicle")->capture_default_str();
-  app.add_option("--points", options.topics.points,
-                 "topic (found by its type if left out); of several LiDARs with commas, the main "
-                 "one first");
-  app.add_option("--imu", options.topics.imu, "topic");
-  app.add_option("--velocity", options.topics.velocity, "topic");
-  app.add_option("--gnss", options.topics.gnss, "topic");
+  tools::add_topic_options(app, options.topics);
 }
 
 void print(const preprocessing::InputReport& report, const std::string& topic) {

@@ -10,6 +10,15 @@
 
 namespace lidar_mapping::tools {
 
+void add_topic_options(CLI::App& app, ros_border::SensorTopics& topics) {
+  app.add_option("--points", topics.points,
+                 "topic (found by type if left out); of several LiDARs with commas, the main one "
+                 "first");
+  app.add_option("--imu", topics.imu, "topic");
+  app.add_option("--velocity", topics.velocity, "topic");
+  app.add_option("--gnss", topics.gnss, "topic");
+}
+
 void add_drive_options(CLI::App& app, DriveArguments& arguments) {
   app.add_option("--config", arguments.parameters.config,
                  std::string(kConfigHelp) + "; defaults if left out");
@@ -20,12 +29,7 @@ void add_drive_options(CLI::App& app, DriveArguments& arguments) {
   app.add_option("--parameter", arguments.parameters.parameters,
                  "a single one, as 'stage/name: value' (repeatable)")
       ->allow_extra_args(false);
-  app.add_option("--points", arguments.drive.topics.points,
-                 "topic (found by type if left out); of several LiDARs with commas, the main one "
-                 "first");
-  app.add_option("--imu", arguments.drive.topics.imu, "topic");
-  app.add_option("--velocity", arguments.drive.topics.velocity, "topic");
-  app.add_option("--gnss", arguments.drive.topics.gnss, "topic");
+  add_topic_options(app, arguments.drive.topics);
   app.add_option("--sensor-height", arguments.drive.sensor_height,
                  "of folders: the LiDAR over base_link, m")
       ->capture_default_str();

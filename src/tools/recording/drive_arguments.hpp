@@ -18,6 +18,8 @@ struct DriveArguments {
   int threads = 0;        ///< 0: all cores
 };
 
+/// Adds the topics of a recording as options.
+void add_topic_options(CLI::App& app, ros_border::SensorTopics& topics);
 /// Adds all of them but the paths as options.
 void add_drive_options(CLI::App& app, DriveArguments& arguments);
 
