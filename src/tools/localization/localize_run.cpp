@@ -117,15 +117,11 @@ class LocalizingRun {
         stages_.pipeline, [&input](const std::string& frame) { return input.T_base(frame); },
         [&localized](pipeline::OdometryScan&& scan) { localized.add(std::move(scan)); });
     if (part.begin() > input.begin()) input.skip_to(part.begin());
-    EndOfPart end(part.limit());
-    while (stop_requested_ == 0 && !end.is_over()) {
-      auto datum = input.next();
-      if (!datum) break;
-      if (end.is_behind(*datum)) continue;
-      odometry.add(std::move(*datum));
+    read_until(part.limit(), stop_requested_, input, [&](pipeline::Input&& datum) {
+      odometry.add(std::move(datum));
       print(input.take_messages());
       print(odometry.take_messages());
-    }
+    });
     odometry.finish();
     print(odometry.take_messages());
   }

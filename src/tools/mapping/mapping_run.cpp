@@ -135,15 +135,11 @@ class MappingRun {
     if (mapped_from_ > input.begin()) input.skip_to(mapped_from_);
     progress_->begin_at(mapped_from_);
     const ThreadTime reading;
-    EndOfPart part(part_->limit());
-    while (stop_requested_ == 0 && !part.is_over()) {
-      auto datum = input.next();
-      if (!datum) break;
-      if (part.is_behind(*datum)) continue;
-      pipeline_->add(std::move(*datum));
+    read_until(part_->limit(), stop_requested_, input, [&](pipeline::Input&& datum) {
+      pipeline_->add(std::move(datum));
       print_messages(input);
       progress_->show(pipeline_->progress());
-    }
+    });
     reading_seconds_ = reading.seconds();
     stream_seconds_ = progress_->seconds();
     report_ = pipeline_->finish();

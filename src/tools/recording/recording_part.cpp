@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
+#include <variant>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -22,11 +24,17 @@ RecordingPart::RecordingPart(const pipeline::InputSource& input, double start, d
   limit_ = end_;
 }
 
-bool EndOfPart::is_behind(const pipeline::Input& input) {
-  const auto* scan = std::get_if<pipeline::RecordedScan>(&input);
-  if (scan == nullptr) return false;
-  scans_ = scan->stamp >= end_ ? scans_ + 1 : 0;
-  return scans_ > 0;
+void read_until(Stamp limit, const volatile std::sig_atomic_t& stop_requested,
+                pipeline::InputSource& input, const std::function<void(pipeline::Input&&)>& use) {
+  constexpr int kCertain = 5;  // scans behind the limit; chosen: more would only read further
+  int behind = 0;              // scans in a row
+  while (stop_requested == 0 && behind < kCertain) {
+    auto datum = input.next();
+    if (!datum) return;
+    const auto* scan = std::get_if<pipeline::RecordedScan>(&*datum);
+    if (scan != nullptr) behind = scan->stamp >= limit ? behind + 1 : 0;
+    if (scan == nullptr || behind == 0) use(std::move(*datum));
+  }
 }
 
 }  // namespace lidar_mapping::tools

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <csignal>
+#include <functional>
+
 #include "lidar_mapping/pipeline/input.hpp"
 
 namespace lidar_mapping::tools {
@@ -22,21 +25,10 @@ class RecordingPart {
   Stamp limit_;
 };
 
-/// Detects the end of the part of a recording that is read. A single stamp may be wrong, so several
-/// scans in a row have to be behind the end.
-class EndOfPart {
- public:
-  explicit EndOfPart(Stamp end) : end_(end) {}
-
-  /// True for data behind the end.
-  bool is_behind(const pipeline::Input& input);
-  bool is_over() const { return scans_ >= kCertain; }
-
- private:
-  /// Number of scans behind the end at which it is certain; chosen: more would only read further.
-  static constexpr int kCertain = 5;
-  Stamp end_;
-  int scans_ = 0;  ///< in a row behind the end
-};
+/// Calls `use` for the data of a recording up to `limit`, until the recording ends or a signal
+/// handler sets `stop_requested`. A single stamp may be wrong, so several scans in a row have to be
+/// behind the limit before it ends there.
+void read_until(Stamp limit, const volatile std::sig_atomic_t& stop_requested,
+                pipeline::InputSource& input, const std::function<void(pipeline::Input&&)>& use);
 
 }  // namespace lidar_mapping::tools
