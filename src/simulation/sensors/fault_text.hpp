@@ -29,6 +29,16 @@ bool matches_format(const std::string& text, const char* format, Numbers*... num
   return read == static_cast<int>(sizeof...(numbers)) && end == static_cast<int>(text.size());
 }
 
+/// Reads the value of a fault, or "VALUE,OTHER" where it may have another number; false if the text
+/// has another form or the value lies outside of its range. The range of the other is not checked.
+template <typename Kind>
+bool read_numbers(const std::string& text, const FaultDescription<Kind>& known, double& value,
+                  double* other) {
+  const bool fits = matches_format(text, "%lf%n", &value) ||
+                    (other != nullptr && matches_format(text, "%lf,%lf%n", &value, other));
+  return fits && value >= known.min && value <= known.max;  // written so that NaN fails
+}
+
 /// How the faults in a table are written, with the ranges of their values.
 template <typename Descriptions>
 std::vector<std::string> fault_formats(const Descriptions& descriptions) {

@@ -42,17 +42,6 @@ bool find_word(const std::array<const char*, N>& words, const std::string& word,
   return found != words.end();
 }
 
-bool read_numbers(const Description& known, const std::string& numbers, ImuFault& fault) {
-  const bool may_have_two_numbers = known.kind == Kind::kClip || known.kind == Kind::kGap;
-  const bool is_one_number = matches_format(numbers, "%lf%n", &fault.amount);
-  const bool are_two_numbers = may_have_two_numbers &&
-                               matches_format(numbers, "%lf,%lf%n", &fault.amount, &fault.other) &&
-                               fault.other >= 0.01 && fault.other <= 1e9;
-  // Written so that NaN fails.
-  return (is_one_number || are_two_numbers) && fault.amount >= known.min &&
-         fault.amount <= known.max;
-}
-
 bool read(const Description& known, const std::optional<std::string>& value, ImuFault& fault) {
   constexpr std::array<const char*, 6> kAxes = {"gx", "gy", "gz", "ax", "ay", "az"};
   constexpr std::array<const char*, 2> kUnits = {"g", "degrees"};
@@ -61,7 +50,9 @@ bool read(const Description& known, const std::optional<std::string>& value, Imu
   if (!value) return false;
   if (known.kind == Kind::kAxis) return find_word(kAxes, *value, fault.amount);
   if (known.kind == Kind::kUnits) return find_word(kUnits, *value, fault.amount);
-  return read_numbers(known, *value, fault);
+  const bool may_have_two_numbers = known.kind == Kind::kClip || known.kind == Kind::kGap;
+  return read_numbers(*value, known, fault.amount, may_have_two_numbers ? &fault.other : nullptr) &&
+         fault.other >= 0.01 && fault.other <= 1e9;
 }
 
 void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {

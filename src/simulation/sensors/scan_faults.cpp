@@ -126,13 +126,8 @@ bool read(const Description& known, const std::optional<std::string>& value, Sca
     fault.amount = *value == "negated" ? 1.0 : 0.0;
     return *value == "none" || *value == "negated";
   }
-  const bool is_one_number = matches_format(*value, "%lf%n", &fault.amount);
-  const bool are_two_numbers = known.kind == Kind::kFrozen &&
-                               matches_format(*value, "%lf,%lf%n", &fault.amount, &fault.every_s) &&
-                               fault.every_s >= 1.0;
-  // Written so that NaN fails.
-  return (is_one_number || are_two_numbers) && fault.amount >= known.min &&
-         fault.amount <= known.max;
+  double* const every_s = known.kind == Kind::kFrozen ? &fault.every_s : nullptr;
+  return read_numbers(*value, known, fault.amount, every_s) && fault.every_s >= 1.0;
 }
 
 }  // namespace
