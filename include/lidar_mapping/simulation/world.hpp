@@ -26,6 +26,9 @@ struct World {
   TriangleMesh fixed;                ///< Everything that does not move.
   std::vector<TriangleMesh> shapes;  ///< Shapes of moving objects, each in its own frame.
   std::vector<Mover> movers;         ///< Moving objects.
+
+  /// Adds a moving object with a shape of its own; sets the mover's index of it.
+  void add(TriangleMesh shape, Mover mover);
 };
 
 }  // namespace lidar_mapping::simulation

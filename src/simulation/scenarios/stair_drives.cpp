@@ -91,14 +91,12 @@ void add_mover(World& world, TriangleMesh shape, std::size_t states, const PoseO
   // delay of two steps.
   constexpr std::size_t kSplineDelay = 2;
   Mover mover;
-  mover.shape = world.shapes.size();
   mover.step_s = kMoverStep;
   const auto every = static_cast<std::size_t>(std::lround(kMoverStep / kStep));
   for (std::size_t i = kSplineDelay; i < states; i += every) {
     mover.T_map_shape.push_back({Eigen::Quaterniond::Identity(), pose(i)});
   }
-  world.shapes.push_back(std::move(shape));
-  world.movers.push_back(std::move(mover));
+  world.add(std::move(shape), std::move(mover));
 }
 
 void add_lift(World& world, const Ride& ride) {

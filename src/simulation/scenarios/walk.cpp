@@ -86,14 +86,12 @@ SmoothTrajectory walked(const Path& path, const std::vector<double>& stations, R
 /// Adds a person who walks four metres ahead.
 void add_guide(World& world, const std::vector<double>& stations, const Path& path, Random random) {
   Mover ahead;
-  ahead.shape = world.shapes.size();
   for (std::size_t i = 0; i < stations.size(); i += 5) {
     const double s = std::min(stations[i] + 4.0, path.length());
     const Eigen::Vector2d at = path.position(s);
     ahead.T_map_shape.push_back({rotation_about_z(path.heading(s)), {at.x(), at.y(), 0.0}});
   }
-  world.shapes.push_back(make_pedestrian(Random(random.bits())));
-  world.movers.push_back(std::move(ahead));
+  world.add(make_pedestrian(Random(random.bits())), std::move(ahead));
 }
 
 }  // namespace

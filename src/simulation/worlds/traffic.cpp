@@ -94,9 +94,7 @@ void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terr
                     [&](const Mover& other) { return conflicts(mover, other, clear_area); });
     TriangleMesh shape = draw_shape(lane.pedestrians, random);
     if (blocked) continue;
-    mover.shape = world.shapes.size();
-    world.shapes.push_back(std::move(shape));
-    world.movers.push_back(std::move(mover));
+    world.add(std::move(shape), std::move(mover));
     ++added;
   }
 }
@@ -104,15 +102,13 @@ void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terr
 void add_car_ahead(World& world, const Path& path, const std::vector<double>& stations,
                    const Terrain& terrain, Random random) {
   Mover mover;
-  mover.shape = world.shapes.size();
   const int stride = static_cast<int>(std::lround(kStep / kControlStep));
   for (std::size_t i = 0; i < stations.size(); i += stride) {
     const double gap = 17.0 + 6.0 * std::sin(stations[i] / 60.0);
     const double s = std::min(stations[i] + gap, path.length());
     mover.T_map_shape.push_back(on_slope(terrain, path.position(s), path.heading(s)));
   }
-  world.shapes.push_back(make_car(Random(random.bits())));
-  world.movers.push_back(std::move(mover));
+  world.add(make_car(Random(random.bits())), std::move(mover));
 }
 
 }  // namespace lidar_mapping::simulation

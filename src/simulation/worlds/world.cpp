@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/simulation/world.hpp"
 
+#include <utility>
+
 namespace lidar_mapping::simulation {
 
 std::optional<Pose> Mover::pose(double seconds) const {
@@ -10,6 +12,12 @@ std::optional<Pose> Mover::pose(double seconds) const {
   if (before + 1 >= T_map_shape.size()) return T_map_shape.back();
   return interpolate(T_map_shape[before], T_map_shape[before + 1],
                      position - static_cast<double>(before));
+}
+
+void World::add(TriangleMesh shape, Mover mover) {
+  mover.shape = shapes.size();
+  shapes.push_back(std::move(shape));
+  movers.push_back(std::move(mover));
 }
 
 }  // namespace lidar_mapping::simulation
