@@ -31,8 +31,7 @@ std_msgs::ColorRGBA color_of_age(double age) {
 
 std::vector<Marker> age_markers(const map::KeyFrameTrack& track, const std::string& frame) {
   const KeyFramePoses poses = track.poses();
-  std::vector<Marker> markers;
-  if (poses.poses.empty()) return markers;
+  if (poses.poses.empty()) return {};
   const Stamp begin = poses.poses.front().stamp;
   const double scale = to_seconds(scale_of(poses.poses.back().stamp - begin));
   MarkerLayer dots("age", Marker::SPHERE_LIST, 0.9, color(1.0F, 1.0F, 1.0F), frame);
@@ -41,8 +40,7 @@ std::vector<Marker> age_markers(const map::KeyFrameTrack& track, const std::stri
     marker.points.push_back(to_point(pose.T_map_base.translation));
     marker.colors.push_back(color_of_age(to_seconds(pose.stamp - begin) / scale));
   }
-  dots.move_to(markers);
-  return markers;
+  return dots.take();
 }
 
 }  // namespace lidar_mapping::ros_border

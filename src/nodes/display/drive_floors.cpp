@@ -63,9 +63,7 @@ std::vector<Marker> floor_markers(const map::KeyFrameTrack& track,
     if (floor == floors.end()) continue;
     add_square(layer.piece_of(pose.index), pose.T_map_base, floor->second);
   }
-  std::vector<Marker> markers;
-  layer.move_to(markers);
-  return markers;
+  return layer.take();
 }
 
 }  // namespace lidar_mapping::ros_border

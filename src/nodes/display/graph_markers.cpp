@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "display/graph_markers.hpp"
 
+#include <utility>
+
 #include "display/marker_layer.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -80,8 +82,9 @@ std::vector<Marker> graph_markers(const map::KeyFrameTrack& track, const Verdict
   add_verdicts(loops, positions, add_bridge, bridges);
   add_verdicts(candidates, positions, add_line, candidate_lines);
   std::vector<Marker> markers;
-  for (MarkerLayer* layer : {&dots, &lines, &degenerate, &bridges, &candidate_lines})
-    layer->move_to(markers);
+  for (MarkerLayer* layer : {&dots, &lines, &degenerate, &bridges, &candidate_lines}) {
+    for (Marker& marker : layer->take()) markers.push_back(std::move(marker));
+  }
   return markers;
 }
 
@@ -91,9 +94,7 @@ std::vector<Marker> gnss_markers(const std::vector<Eigen::Vector3d>& positions,
   for (std::size_t i = 0; i < positions.size(); ++i) {
     layer.piece_of(i).points.push_back(to_point(positions[i]));
   }
-  std::vector<Marker> markers;
-  layer.move_to(markers);
-  return markers;
+  return layer.take();
 }
 
 }  // namespace lidar_mapping::ros_border

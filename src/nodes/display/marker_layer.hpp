@@ -64,9 +64,11 @@ class MarkerLayer {
     marker.id = id;
     return marker;
   }
-  void move_to(std::vector<Marker>& all) {
-    for (auto& [id, marker] : markers_) all.push_back(std::move(marker));
-    markers_.clear();
+  /// Its markers, which it has no more afterwards.
+  std::vector<Marker> take() {
+    std::vector<Marker> all;
+    for (auto& [id, marker] : std::exchange(markers_, {})) all.push_back(std::move(marker));
+    return all;
   }
 
  private:
