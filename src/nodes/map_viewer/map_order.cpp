@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_viewer/map_order.hpp"
 
-#include <algorithm>
-#include <cctype>
+#include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -15,17 +15,14 @@ namespace fs = std::filesystem;
 
 /// Format of a map file by its extension, in lower case.
 std::string format_of(const fs::path& file) {
-  std::string format = file.extension().string();
-  if (!format.empty()) format.erase(0, 1);
-  std::transform(format.begin(), format.end(), format.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  std::string known;
+  const std::string extension = lower_case(file.extension().string());
+  std::vector<std::string> known;
   for (const std::string& name : map::single_file_formats()) {
-    if (format == name) return format;
-    known += (known.empty() ? "." : ", .") + name;
+    if (extension == "." + name) return name;
+    known.push_back("." + name);
   }
-  throw InputError("destination is '" + file.string() + "', which does not end in " + known +
-                   ": it is the name of one file");
+  throw InputError("destination is '" + file.string() + "', which does not end in " +
+                   joined(known) + ": it is the name of one file");
 }
 
 void name_file(const SaveMap::Request& request, MapOrder& order) {
