@@ -5,6 +5,8 @@
 
 #include "lidar_mapping/common/text.hpp"
 
+#include "display/marker_layer.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -60,15 +62,10 @@ std::string figures(const DriveStatus& status) {
                    status.key_frames, status.loops_used, status.loops_refused);
 }
 
-void set_color(const DriveStatus& status, Marker& marker) {
-  const bool lost = status.state == "lost";
-  const bool poor =
-      status.state == "degenerate" || status.state == "doubtful" || status.state == "degraded";
-  const bool alarming = !status.silent && (lost || poor);
-  marker.color.r = 1.0F;
-  marker.color.g = !alarming ? 1.0F : (lost ? 0.25F : 0.6F);
-  marker.color.b = !alarming ? 1.0F : (lost ? 0.2F : 0.1F);
-  marker.color.a = 1.0F;
+std_msgs::ColorRGBA color_of(const DriveStatus& status) {
+  if (!status.silent && status.state == "lost") return color(1.0F, 0.25F, 0.2F);
+  const bool is_poor = contains({"degenerate", "doubtful", "degraded"}, status.state);
+  return !status.silent && is_poor ? color(1.0F, 0.6F, 0.1F) : color(1.0F, 1.0F, 1.0F);
 }
 
 }  // namespace
@@ -87,7 +84,7 @@ Marker status_text(const DriveStatus& status, const std::string& map_frame,
   marker.scale.z = kTextHeight;
   marker.text = headline(status);
   if (on_the_way) marker.text += "\n" + figures(status);
-  set_color(status, marker);
+  marker.color = color_of(status);
   return marker;
 }
 
