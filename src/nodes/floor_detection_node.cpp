@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -31,13 +30,10 @@ class FloorDetectionNode {
 
  private:
   void process(const sensor_msgs::PointCloud2& message) {
-    const std::string& base = config_.node.base_frame;
-    const auto T_base_scan = sensor_frames_.lookup(base, message.header.frame_id);
-    if (!T_base_scan) {
-      throw InputError("no transform from '" + message.header.frame_id + "' to '" + base + "'");
-    }
+    const Pose T_base_scan =
+        sensor_frames_.required(config_.node.base_frame, message.header.frame_id);
     const Scan scan{from_ros(message.header.stamp),
-                    transformed(from_message(message), *T_base_scan)};
+                    transformed(from_message(message), T_base_scan)};
     context_.diagnostics.count_input(scan.stamp);
     const bool is_watched =
         filtered_points_.getNumSubscribers() > 0 || floor_points_.getNumSubscribers() > 0;

@@ -156,12 +156,7 @@ void FrontEndNode::add_cloud(const sensor_msgs::PointCloud2& message) {
   context_.diagnostics.count_input(scan.stamp);
   if (is_replayed(scan.stamp)) return;
   if (scan.cloud.empty()) throw InputError("the scan has no point with finite coordinates");
-  const auto T_base_scan = sensor_frames_.lookup(config_.node.base_frame, message.header.frame_id);
-  if (!T_base_scan) {
-    throw InputError("no transform from '" + message.header.frame_id + "' to '" +
-                     config_.node.base_frame + "'");
-  }
-  T_base_scan_ = *T_base_scan;
+  T_base_scan_ = sensor_frames_.required(config_.node.base_frame, message.header.frame_id);
   if (frame_name(message.header.frame_id) != config_.node.base_frame) {
     front_end_.set_sensor_pose(T_base_scan_);
   } else {

@@ -23,6 +23,8 @@ class SensorFrames {
   /// when a pair has been missing for 1 s, and at most once in 5 s. Frames may have tf 1's leading
   /// slash.
   std::optional<Pose> lookup(const std::string& target, const std::string& source);
+  /// The same pose. Throws InputError while tf does not have it.
+  Pose required(const std::string& target, const std::string& source);
   /// Position of a sensor on the vehicle (m, in base_frame); empty also if its frame is empty.
   std::optional<Eigen::Vector3d> origin_of(const std::string& sensor_frame,
                                            const std::string& base_frame);

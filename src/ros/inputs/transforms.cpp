@@ -3,6 +3,7 @@
 
 #include <ros/console.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -16,6 +17,11 @@ std::optional<Pose> SensorFrames::lookup(const std::string& target, const std::s
   const std::optional<Pose> pose = ask(to, from);
   if (pose) found_[{to, from}] = *pose;
   return pose;
+}
+
+Pose SensorFrames::required(const std::string& target, const std::string& source) {
+  if (const std::optional<Pose> pose = lookup(target, source)) return *pose;
+  throw InputError("no transform from '" + source + "' to '" + target + "'");
 }
 
 std::optional<Eigen::Vector3d> SensorFrames::origin_of(const std::string& sensor_frame,
