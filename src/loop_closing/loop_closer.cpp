@@ -150,7 +150,7 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
   refuse_all_but_best(verified, trajectory());
   LoopClosingResult result;
   for (const VerifiedCandidate& entry : verified) {
-    if (entry.decision.verdict == Verdict::kAccepted) {
+    if (entry.is_accepted()) {
       add_accepted(entry, result);
     } else {
       result.verdicts.push_back(to_verdict(entry, trajectory()));

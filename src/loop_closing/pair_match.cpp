@@ -69,12 +69,6 @@ Candidate named_candidate(Trajectory::NodeId from, const Pose& start) {
   return candidate;
 }
 
-bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b) {
-  const bool accepted_a = a.decision.verdict == Verdict::kAccepted;
-  const bool accepted_b = b.decision.verdict == Verdict::kAccepted;
-  return accepted_a != accepted_b ? accepted_a : a.margin() > b.margin();
-}
-
 /// Throws InputError if `older` is not old enough: scan and submap would share clouds.
 void check_distance(const Trajectory& trajectory, Trajectory::NodeId older,
                     Trajectory::NodeId newer, int extend_frame_num) {
@@ -120,9 +114,7 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
           ? best_match(config, *query, *submap, older, starting_poses(clouds, from, to, guess))
           : without_cloud(named_candidate(older, Pose::Identity()));
   PairMatch result{to_verdict(best, trajectory), std::nullopt};
-  if (best.decision.verdict == Verdict::kAccepted) {
-    result.loop = to_loop(best, trajectory, config);
-  }
+  if (best.is_accepted()) result.loop = to_loop(best, trajectory, config);
   return result;
 }
 

@@ -34,7 +34,7 @@ class PlaceVerifier::Impl {
     candidate.source = LoopSource::kAppearance;
     candidate.T_from_to = T_place_scan_guess;
     const VerifiedCandidate result = verified(candidate, query_, *submap, config_, alignment_);
-    if (result.decision.verdict != Verdict::kAccepted) return std::nullopt;
+    if (!result.is_accepted()) return std::nullopt;
     const Alignment& alignment = result.match.alignment;
     return PlaceMatch{
         alignment.T_target_source,

@@ -9,10 +9,6 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-bool is_accepted(const VerifiedCandidate& verified) {
-  return verified.decision.verdict == Verdict::kAccepted;
-}
-
 /// The match as a loop, with the covariance still to come.
 Loop as_loop(const VerifiedCandidate& verified, const Trajectory& trajectory) {
   const TrajectoryNode& newest = trajectory[trajectory.size() - 1];
@@ -38,6 +34,10 @@ Covariance6 with_lower_bound(const Match& match, const LoopClosingConfig& config
 
 }  // namespace
 
+bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b) {
+  return a.is_accepted() != b.is_accepted() ? a.is_accepted() : a.margin() > b.margin();
+}
+
 VerifiedCandidate without_cloud(const Candidate& candidate) {
   VerifiedCandidate result{
       candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
@@ -58,17 +58,14 @@ VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, c
 }
 
 bool is_conclusive(const VerifiedCandidate& verified) {
-  return is_accepted(verified) && is_unambiguous(verified.match, verified.candidate.prior);
+  return verified.is_accepted() && is_unambiguous(verified.match, verified.candidate.prior);
 }
 
 void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory) {
-  const auto is_worse = [](const VerifiedCandidate& a, const VerifiedCandidate& b) {
-    if (is_accepted(a) != is_accepted(b)) return is_accepted(b);
-    return a.margin() < b.margin();
-  };
-  const auto best = std::max_element(verified.begin(), verified.end(), is_worse);
+  // The best one comes first in this order.
+  const auto best = std::min_element(verified.begin(), verified.end(), is_better);
   for (VerifiedCandidate& entry : verified) {
-    if (!is_accepted(entry) || &entry == &*best) continue;
+    if (!entry.is_accepted() || &entry == &*best) continue;
     const KeyFrameIndex better = trajectory[best->candidate.node].index;
     entry.decision = {
         Verdict::kRefused,

@@ -15,7 +15,11 @@ struct VerifiedCandidate {
 
   /// The deciding figure: overlap minus twice the free-space violation.
   double margin() const { return margin_of(match.figures); }
+  bool is_accepted() const { return decision.verdict == Verdict::kAccepted; }
 };
+
+/// True if `a` is accepted and `b` is not, or both are alike in that and `a` has the larger margin.
+bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b);
 
 /// A candidate that is undecided, because the cloud of one of the two is not available.
 VerifiedCandidate without_cloud(const Candidate& candidate);
