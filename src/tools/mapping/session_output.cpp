@@ -114,11 +114,8 @@ Session SessionOutput::open(const report::RunRecord& record) {
     fs::remove_all(staging_folder_);
     return Session::create_in(staging_folder_);
   }
-  if (exists_) {
-    existing_.reset();
-    return Session::open(folder_, Session::Access::kWrite);
-  }
-  if (fs::exists(folder_ / "session.db")) {  // created by this run before a restart
+  existing_.reset();
+  if (exists_ || fs::exists(folder_ / "session.db")) {  // or created by this run before a restart
     return Session::open(folder_, Session::Access::kWrite);
   }
   report::write_run_record(folder_, record);
