@@ -21,7 +21,8 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-// The fields of the drivers' types, as their definitions have them.
+// The fields of the drivers' types, as their definitions have them but for those of the header.
+const char* const kHeader = "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
 const char* const kLivoxDefinition =
     "Header header\n"
     "uint64 timebase\n"
@@ -29,10 +30,6 @@ const char* const kLivoxDefinition =
     "uint8 lidar_id\n"
     "uint8[3] rsvd\n"
     "CustomPoint[] points\n"
-    "MSG: std_msgs/Header\n"
-    "uint32 seq\n"
-    "time stamp\n"
-    "string frame_id\n"
     "MSG: livox_ros_driver2/CustomPoint\n"
     "uint32 offset_time\n"
     "float32 x\n"
@@ -44,10 +41,6 @@ const char* const kLivoxDefinition =
 const char* const kVelodyneDefinition =
     "Header header\n"
     "VelodynePacket[] packets\n"
-    "MSG: std_msgs/Header\n"
-    "uint32 seq\n"
-    "time stamp\n"
-    "string frame_id\n"
     "MSG: velodyne_msgs/VelodynePacket\n"
     "time stamp\n"
     "uint8[1206] data\n";
@@ -71,7 +64,8 @@ void add(Types& types) {
 void add(Types& types, const std::string& name, const std::string& definition,
          const std::string& ros2_name) {
   for (const CloudType& type : cloud_types()) {
-    if (type.name == name) types[ros2_name] = {name, type.md5sum, message_layout(definition)};
+    if (type.name != name) continue;
+    types[ros2_name] = {name, type.md5sum, message_layout(definition + kHeader)};
   }
 }
 
