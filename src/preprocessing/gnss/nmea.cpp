@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/preprocessing/nmea.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <vector>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -76,11 +76,8 @@ std::optional<std::string> body_of(const std::string& sentence) {
   if (end == std::string::npos || sentence[end] != '*') return body;
   unsigned sum = 0;
   for (const char c : body) sum ^= static_cast<unsigned char>(c);
-  std::array<char, 3> expected{};
-  std::snprintf(expected.data(), expected.size(), "%02X", sum & 0xFFU);
-  std::string given = sentence.substr(end + 1, 2);
-  for (char& c : given) c = c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
-  return given == expected.data() ? std::optional<std::string>(body) : std::nullopt;
+  if (lower_case(sentence.substr(end + 1, 2)) != formatted("%02x", sum)) return std::nullopt;
+  return body;
 }
 
 std::optional<double> number(const std::string& field) {
@@ -144,8 +141,7 @@ std::string SentenceCheck::add(const std::string& sentence) {
   if (has_gga_ || ++count_ != kEnoughSentences) return "";
   return "no GGA among the first " + std::to_string(kEnoughSentences) +
          " sentences of the receiver: positions are read from GGA alone, RMC has no quality; let "
-         "it "
-         "send GGA, too";
+         "it send GGA, too";
 }
 
 }  // namespace lidar_mapping::preprocessing
