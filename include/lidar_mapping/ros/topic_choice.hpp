@@ -37,6 +37,10 @@ bool is_own_output(const std::string& topic);
 /// The first readable cloud of a topic; empty if there is none.
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic);
 
+/// Topics of that type (package/Name), the one with most messages first. Topics that this package
+/// publishes are left out.
+std::vector<std::string> topics_of_type(const BagSet& bags, const std::string& type);
+
 /// Topics of cloud_types(), the one most likely of a LiDAR first: clouds whose points have times
 /// before those with rings, these before clouds with intensities and those before others (depth
 /// cameras, radars), among equals the one with most data. Topics that this package publishes are

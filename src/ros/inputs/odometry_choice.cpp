@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "inputs/odometry_choice.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -88,16 +87,8 @@ bool has_twist(const BagSet& bags, const std::string& topic) {
 }  // namespace
 
 std::string odometry_with_twist(const BagSet& bags) {
-  std::vector<BagTopic> topics;
-  for (const BagTopic& topic : bags.topics()) {
-    const bool is_odometry =
-        topic.type == ros::message_traits::DataType<nav_msgs::Odometry>::value();
-    if (is_odometry && !is_own_output(topic.name)) topics.push_back(topic);
-  }
-  std::stable_sort(topics.begin(), topics.end(),
-                   [](const BagTopic& a, const BagTopic& b) { return a.messages > b.messages; });
-  for (const BagTopic& topic : topics) {
-    if (has_twist(bags, topic.name)) return topic.name;
+  for (const std::string& topic : topics_of_type(bags, "nav_msgs/Odometry")) {
+    if (has_twist(bags, topic)) return topic;
   }
   return "";
 }

@@ -20,17 +20,6 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// The topic of that type with most messages, without those that this package publishes; empty if
-/// there is none.
-std::string busiest_topic(const BagSet& bags, const std::string& type) {
-  const BagTopic* busiest = nullptr;
-  for (const BagTopic& topic : bags.topics()) {
-    if (topic.type != type || is_own_output(topic.name)) continue;
-    if (busiest == nullptr || topic.messages > busiest->messages) busiest = &topic;
-  }
-  return busiest == nullptr ? "" : busiest->name;
-}
-
 /// Kind of sensor by the cloud's fields; a larger value is more likely a LiDAR.
 enum class Kind { kUnknown, kReflecting, kScanning, kTimed };
 
@@ -108,6 +97,17 @@ std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& 
   return std::nullopt;
 }
 
+std::vector<std::string> topics_of_type(const BagSet& bags, const std::string& type) {
+  std::vector<BagTopic> topics = bags.topics();
+  std::stable_sort(topics.begin(), topics.end(),
+                   [](const BagTopic& a, const BagTopic& b) { return a.messages > b.messages; });
+  std::vector<std::string> names;
+  for (const BagTopic& topic : topics) {
+    if (topic.type == type && !is_own_output(topic.name)) names.push_back(topic.name);
+  }
+  return names;
+}
+
 std::vector<std::string> cloud_topics(const BagSet& bags) {
   using Candidate = std::tuple<Kind, std::size_t, std::string>;
   std::vector<Candidate> candidates;
@@ -134,15 +134,16 @@ SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
   resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
   resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", VelocityMessages::types(), bags);
   resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", GnssMessages::types(), bags);
-  const std::vector<std::string> clouds = cloud_topics(bags);
-  if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
-  const auto fill = [&](std::string& topic, const std::string& type) {
-    if (topic.empty()) topic = busiest_topic(bags, type);
+  const auto fill = [](std::string& topic, const std::vector<std::string>& found) {
+    if (topic.empty() && !found.empty()) topic = found.front();
   };
-  fill(wanted.imu, "sensor_msgs/Imu");
-  fill(wanted.velocity, VelocityMessages::types().front());
+  fill(wanted.points, cloud_topics(bags));
+  fill(wanted.imu, topics_of_type(bags, "sensor_msgs/Imu"));
+  fill(wanted.velocity, topics_of_type(bags, VelocityMessages::types().front()));
   if (wanted.velocity.empty()) wanted.velocity = odometry_with_twist(bags);
-  for (const std::string& type : GnssMessages::types()) fill(wanted.gnss, type);
+  for (const std::string& type : GnssMessages::types()) {
+    fill(wanted.gnss, topics_of_type(bags, type));
+  }
   return wanted;
 }
 
