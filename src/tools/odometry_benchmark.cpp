@@ -71,10 +71,9 @@ using Process = std::function<front_end::FrontEndResult(const Scan&)>;
 Process make_process(const Options& options, const front_end::FrontEndConfig& config,
                      const Pose& T_base_sensor) {
   if (options.method == kBaseline) {
-    return
-        [odometry = std::make_shared<tools::BaselineOdometry>(), T_base_sensor](const Scan& scan) {
-          return odometry->process({scan.stamp, transformed(scan.cloud, T_base_sensor)});
-        };
+    return [odometry = tools::baseline_odometry(), T_base_sensor](const Scan& scan) {
+      return odometry({scan.stamp, transformed(scan.cloud, T_base_sensor)});
+    };
   }
   const auto front_end = std::make_shared<front_end::FrontEnd>(config);
   front_end->set_sensor_pose(T_base_sensor);

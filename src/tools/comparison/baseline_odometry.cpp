@@ -2,6 +2,7 @@
 #include "comparison/baseline_odometry.hpp"
 
 #include <deque>
+#include <memory>
 #include <utility>
 
 #include <Eigen/LU>
@@ -50,11 +51,9 @@ Cloud::Ptr thinned(const Cloud::Ptr& cloud, float leaf) {
   return result;
 }
 
-}  // namespace
-
-class BaselineOdometry::Impl {
+class BaselineOdometry {
  public:
-  Impl() {
+  BaselineOdometry() {
     ndt_.setResolution(kResolution);
     ndt_.setStepSize(kStepSize);
     ndt_.setTransformationEpsilon(kTransformationEpsilon * kTransformationEpsilon);
@@ -121,11 +120,12 @@ class BaselineOdometry::Impl {
   front_end::StepTimer timer_;
 };
 
-BaselineOdometry::BaselineOdometry() : impl_(std::make_unique<Impl>()) {}
-BaselineOdometry::~BaselineOdometry() = default;
+}  // namespace
 
-front_end::FrontEndResult BaselineOdometry::process(const Scan& scan) {
-  return impl_->process(scan);
+std::function<front_end::FrontEndResult(const Scan&)> baseline_odometry() {
+  return [odometry = std::make_shared<BaselineOdometry>()](const Scan& scan) {
+    return odometry->process(scan);
+  };
 }
 
 }  // namespace lidar_mapping::tools

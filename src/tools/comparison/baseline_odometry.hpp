@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
+#include <functional>
 
 #include "lidar_mapping/front_end/front_end.hpp"
 
@@ -14,17 +14,9 @@ namespace lidar_mapping::tools {
 /// step, repeated, would give. Matches are not checked, and poses are float matrices. The
 /// transformation epsilon is a length as in the articles: PCL 1.13 would stop after one step with
 /// their value.
-class BaselineOdometry {
- public:
-  BaselineOdometry();
-  ~BaselineOdometry();
-
-  /// Pose and times of the steps; the other fields stay as they are by default.
-  front_end::FrontEndResult process(const Scan& scan);
-
- private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
-};
+///
+/// It takes one scan after the other and gives pose and times of the steps; the other fields stay
+/// as they are by default.
+std::function<front_end::FrontEndResult(const Scan&)> baseline_odometry();
 
 }  // namespace lidar_mapping::tools
