@@ -3,24 +3,33 @@
 
 #include <algorithm>
 #include <limits>
-#include <string>
 #include <utility>
 #include <variant>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::tools {
 
+namespace {
+
+/// The time so many seconds after `begin`, at most `end`. No stamp holds the sum of any number.
+Stamp time_after(Stamp begin, double seconds, Stamp end) {
+  if (seconds >= to_seconds(end - begin)) return end;
+  return std::min(end, begin + from_seconds(seconds));
+}
+
+}  // namespace
+
 RecordingPart::RecordingPart(const pipeline::InputSource& input, double start, double duration)
-    : begin_(input.begin() + from_seconds(start)),
-      end_(input.end()),
-      limit_(std::numeric_limits<Stamp>::max()) {
+    : begin_(input.begin()), end_(input.end()), limit_(std::numeric_limits<Stamp>::max()) {
+  if (start > 0.0) begin_ = time_after(input.begin(), start, input.end());
   if (begin_ >= end_ && start > 0.0) {
-    throw InputError("--start " + std::to_string(start) + ": the recording lasts " +
-                     std::to_string(to_seconds(input.end() - input.begin())) + " s");
+    throw InputError(formatted("--start %.10g: the recording lasts %f s", start,
+                               to_seconds(input.end() - input.begin())));
   }
   if (duration <= 0.0) return;
-  end_ = std::min(end_, begin_ + from_seconds(duration));
+  end_ = time_after(begin_, duration, input.end());
   limit_ = end_;
 }
 
