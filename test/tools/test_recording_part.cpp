@@ -54,9 +54,14 @@ TEST(RecordingPart, BeginsAndEndsWhereItIsWanted) {
   EXPECT_EQ(part(50.0, 9.5), Milliseconds({50'000, 59'500, 59'500}));
 }
 
+TEST(RecordingPart, HasNoLimitWhereTheRecordingEndsBefore) {
+  EXPECT_EQ(part(0.0, 60.0), Milliseconds({0, 60'000, -1}));
+  EXPECT_EQ(part(50.0, 10.5), Milliseconds({50'000, 60'000, -1}));
+}
+
 TEST(RecordingPart, TakesAnyNumberOfSeconds) {
   for (const double seconds : {1e9, 1e10, 1e300, std::numeric_limits<double>::infinity()}) {
-    EXPECT_EQ(part(1.0, seconds), Milliseconds({1'000, 60'000, 60'000})) << seconds;
+    EXPECT_EQ(part(1.0, seconds), Milliseconds({1'000, 60'000, -1})) << seconds;
     EXPECT_THROW(part(seconds, 0.0), InputError) << seconds;
   }
 }

@@ -30,7 +30,7 @@ RecordingPart::RecordingPart(const pipeline::InputSource& input, double start, d
   }
   if (duration <= 0.0) return;
   end_ = time_after(begin_, duration, input.end());
-  limit_ = end_;
+  if (end_ < input.end()) limit_ = end_;
 }
 
 void read_until(Stamp limit, const volatile std::sig_atomic_t& stop_requested,
