@@ -89,8 +89,10 @@ double next_coordinate(std::istream& words) {
 std::vector<Stamp> read_kitti_dates(const fs::path& path) {
   std::ifstream file = open_for_reading(path);
   std::vector<Stamp> stamps;
+  std::size_t number = 0;
   for (std::string line; std::getline(file, line);) {
-    if (!line.empty()) stamps.push_back(date_of(line, path, stamps.size() + 1));
+    ++number;
+    if (!line.empty()) stamps.push_back(date_of(line, path, number));
   }
   return stamps;
 }

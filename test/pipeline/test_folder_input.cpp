@@ -8,6 +8,7 @@
 #include "lidar_mapping/pipeline/folder_input.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
+#include "error_text.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -105,6 +106,13 @@ TEST_F(FolderInputTest, ReportsLineOfInvalidDate) {
     EXPECT_NE(std::string(error.what()).find("line 2: 'yesterday'"), std::string::npos)
         << error.what();
   }
+}
+
+TEST_F(FolderInputTest, CountsEmptyLinesBeforeAnInvalidDate) {
+  write_raw();
+  write("oxts/timestamps.txt", "2011-09-26 13:02:25.51\n\n\nyesterday\n");
+  const std::string text = test::error_text<FileError>([&] { open(); });
+  EXPECT_NE(text.find("line 4: 'yesterday'"), std::string::npos) << text;
 }
 
 TEST_F(FolderInputTest, ReadsPcdFilesWithTimesInTheirNames) {
