@@ -26,6 +26,7 @@ constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s, a smaller number in a na
 constexpr Stamp kLastPlausibleTime = 9'000'000'000;
 
 std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& endings) {
+  if (!fs::is_directory(folder)) throw FileError("no folder " + folder.string());
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (contains(endings, entry.path().extension())) files.push_back(entry.path());

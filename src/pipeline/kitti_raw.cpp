@@ -98,9 +98,11 @@ std::vector<Stamp> read_kitti_dates(const fs::path& path) {
 }
 
 std::vector<OxtsSample> read_oxts(const fs::path& folder) {
+  const fs::path data = folder / "data";
+  if (!fs::is_directory(data)) throw FileError("no folder " + data.string() + "; copy it again");
   const std::vector<Stamp> stamps = read_kitti_dates(folder / "timestamps.txt");
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder / "data")) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(data)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   if (files.size() > stamps.size()) {
     throw FileError((folder / "timestamps.txt").string() + " has " + std::to_string(stamps.size()) +

@@ -136,6 +136,16 @@ TEST_F(FolderInputTest, UsesTenHertzForNumberedScans) {
   EXPECT_EQ(std::get<RecordedScan>(inputs[0]).stamp, 100000000);
 }
 
+TEST_F(FolderInputTest, NamesAFolderThatIsMissing) {
+  const auto said = [&] { return test::error_text<FileError>([&] { open(); }); };
+  write_raw();
+  fs::remove_all(folder_.path() / "oxts/data");
+  EXPECT_NE(said().find("no folder"), std::string::npos);
+  EXPECT_NE(said().find("oxts/data"), std::string::npos);
+  fs::remove_all(folder_.path() / "velodyne_points/data");
+  EXPECT_NE(said().find("velodyne_points/data"), std::string::npos);
+}
+
 TEST_F(FolderInputTest, RejectsFolderWithoutScans) { EXPECT_THROW(open(), FileError); }
 
 }  // namespace
