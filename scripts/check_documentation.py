@@ -82,8 +82,9 @@ def tail(text, lines=12):
     return '\n'.join('    ' + line for line in text.rstrip().splitlines()[-lines:])
 
 
-# rviz 1.14 itself may end by a signal when it is asked to end, most often on a busy machine.
-RVIZ_CRASHES = re.compile(r'\[rviz-\d+\] process has died \[pid \d+, exit code -11\b')
+# rviz 1.14 itself may end by a signal when it is asked to end, and very rarely while it shows something, most often on
+# a busy machine. A block in which it does the latter is run once more.
+RVIZ_CRASHES = re.compile(r'^.*\[rviz-\d+\] process has died \[pid \d+, exit code -11\b.*$', re.MULTILINE)
 
 
 def red_line(output):
@@ -150,10 +151,12 @@ class Data:
 class Block:
     """Runs the commands of one block, one after the other, in one shell."""
 
-    def __init__(self, folder, environment, problems):
+    def __init__(self, folder, environment, problems, rviz_may_crash=False):
         self.folder = folder
         self.environment = environment
         self.problems = problems
+        self.rviz_may_crash = rviz_may_crash
+        self.rviz_crashed = False
         self.lasting = []
         self._start_shell()
 
@@ -250,7 +253,10 @@ class Block:
         output = log.read_text(errors='replace')
         if has_ended:
             self.problems.add(command, f'ended by itself with status {process.returncode}', output)
-        said_at_end = '\n'.join(line for line in output[len(said):].splitlines() if not RVIZ_CRASHES.search(line))
+        said_at_end = RVIZ_CRASHES.sub('', output[len(said):])
+        if self.rviz_may_crash and RVIZ_CRASHES.search(said):
+            self.rviz_crashed = True
+            said = RVIZ_CRASHES.sub('', said)
         red = red_line(said) or red_line(said_at_end)
         if red:
             self.problems.add(command, f'says {red.strip()!r}', output)
@@ -271,12 +277,19 @@ class Commands:
             commands = [command for command in block if self._is_run(command)]
             if not commands:
                 continue
-            with self._master(commands), Block(folder, self.environment, self.problems) as shell:
-                for command in commands:
-                    began = time.monotonic()
-                    shell.run(command)
-                    self.count += 1
-                    print(f'{time.monotonic() - began:6.1f} s  {command}', flush=True)
+            self.count += len(commands)
+            if self._run_block(commands, folder, rviz_may_crash=True):
+                print(f'{commands[0]}\n  rviz ended by signal 11: the block is run once more', flush=True)
+                self._run_block(commands, folder, rviz_may_crash=False)
+
+    def _run_block(self, commands, folder, rviz_may_crash):
+        """Whether rviz crashed, where it may."""
+        with self._master(commands), Block(folder, self.environment, self.problems, rviz_may_crash) as shell:
+            for command in commands:
+                began = time.monotonic()
+                shell.run(command)
+                print(f'{time.monotonic() - began:6.1f} s  {command}', flush=True)
+        return shell.rviz_crashed
 
     @staticmethod
     def _is_command(span):
