@@ -144,8 +144,8 @@ bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
   std::optional<Scan> uncorrected;
   if (is_gyro_corrected)
     uncorrected = Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
-  std::optional<SweepTimesTrial::Successor> successor = times_trial_->add(
-      uncorrected ? *uncorrected : scan, without_gyro, tracked, prior.uneven_turning.has_value());
+  std::optional<SweepTimesTrial::Successor> successor =
+      times_trial_->add(uncorrected ? *uncorrected : scan, without_gyro, tracked);
   if (times_trial_->is_finished()) times_trial_.reset();
   timer_.stop();
   if (!successor) return false;

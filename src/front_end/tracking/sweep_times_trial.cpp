@@ -23,8 +23,8 @@ namespace {
 /// times the noise).
 constexpr double kTypicalRange = 10.0;
 constexpr double kMinMotion = 0.1;
-/// Scans after the start of a candidate's map that are not compared: the map of the given times may
-/// be older by some scans. Chosen: a map of so many scans covers the view.
+/// Scans after the start of the maps that are not compared. Chosen: a map of so many scans covers
+/// the view.
 constexpr int kSettlingScans = 4;
 /// Nothing is decided with fewer scans; chosen so that no single object decides.
 constexpr int kMinScans = 8;
@@ -72,14 +72,8 @@ std::vector<SweepTimesRule> rules_without_times(const PointCloud& cloud, double 
   return rules;
 }
 
-/// Without the gyro the given times may be better, too: then the gyro is wrong and not the times.
-std::vector<SweepTimesRule> candidates_for(const PointCloud& cloud, bool without_gyro,
-                                           double interval) {
-  if (cloud.has_times()) {
-    std::vector<SweepTimesRule> rules = {{SweepTimes::kNegated, 0.0, std::nullopt}};
-    if (without_gyro) rules.insert(rules.begin(), SweepTimesRule{});
-    return rules;
-  }
+std::vector<SweepTimesRule> candidates_for(const PointCloud& cloud, double interval) {
+  if (cloud.has_times()) return {{SweepTimes::kNegated, 0.0, std::nullopt}};
   std::vector<SweepTimesRule> rules;
   for (const double duration : durations_for(interval)) {
     const std::vector<SweepTimesRule> more = rules_without_times(cloud, duration);
@@ -123,16 +117,22 @@ double RunningMean::sigma() const {
 
 void SweepTimesTrial::restart() {
   candidates_.clear();
+  given_.reset();
   last_pose_.reset();
   intervals_.clear();
   scans_ = 0;
 }
 
-void SweepTimesTrial::start(const Scan& scan, bool without_gyro) {
-  for (const SweepTimesRule& rule : candidates_for(scan.cloud, without_gyro, interval_)) {
-    candidates_.push_back({rule, make_tracker(config_), {}, {}});
-    if (viewpoint_at_origin_) candidates_.back().tracker->set_viewpoint_at_origin();
-  }
+std::unique_ptr<Tracker> SweepTimesTrial::new_tracker() const {
+  std::unique_ptr<Tracker> tracker = make_tracker(config_);
+  if (viewpoint_at_origin_) tracker->set_viewpoint_at_origin();
+  return tracker;
+}
+
+void SweepTimesTrial::start(const Scan& scan) {
+  given_ = new_tracker();
+  for (const SweepTimesRule& rule : candidates_for(scan.cloud, interval_))
+    candidates_.push_back({rule, new_tracker(), {}, {}});
 }
 
 /// True if the motion since the previous scan distorts a sweep.
@@ -152,22 +152,21 @@ bool SweepTimesTrial::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
 
 std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
                                                                const MotionPrior& prior,
-                                                               const TrackedScan& tracked,
-                                                               bool without_gyro) {
+                                                               const TrackedScan& tracked) {
   if (tracked.new_segment) restart();
   const bool moves = distorts_sweep(scan.stamp, tracked.T_odom_base);
   if (candidates_.empty()) {
     if (!moves) return std::nullopt;
-    start(scan, without_gyro);
+    start(scan);
   }
   ++scans_;
+  const FrontEndStatus given = given_->track(scan, prior).status;
   for (Candidate& candidate : candidates_) {
     const Scan retimed = {scan.stamp,
                           {scan.cloud.points, sweep_times(scan.cloud, candidate.times)}};
     candidate.tracked = candidate.tracker->track(retimed, prior);
     if (!moves || scans_ <= kSettlingScans) continue;
-    if (const auto gain = gain_of(candidate.tracked.status, tracked.status))
-      candidate.gain.add(*gain);
+    if (const auto gain = gain_of(candidate.tracked.status, given)) candidate.gain.add(*gain);
   }
   return decide(tracked);
 }
@@ -184,26 +183,20 @@ std::vector<SweepTimesTrial::Candidate>::iterator SweepTimesTrial::best_candidat
 }
 
 /// The best candidate succeeds as soon as its gain is certain. Candidates whose loss is certain are
-/// left out; the given times stay when no other ones remain.
+/// left out; the given times stay when none remains.
 std::optional<SweepTimesTrial::Successor> SweepTimesTrial::decide(const TrackedScan& tracked) {
-  const auto has_lost = [](const Candidate& candidate) {
-    return !is_given(candidate) && certainty(candidate.gain) < 0.0;
-  };
+  const auto has_lost = [](const Candidate& candidate) { return certainty(candidate.gain) < 0.0; };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), has_lost),
                     candidates_.end());
   std::optional<Successor> successor;
-  is_finished_ =
-      scans_ >= kMaxScans || std::all_of(candidates_.begin(), candidates_.end(), is_given);
+  is_finished_ = scans_ >= kMaxScans || candidates_.empty();
   const auto best = best_candidate();
-  if (best != candidates_.end() && certainty(best->gain) > 0.0) {
-    if (is_given(*best)) {
-      is_finished_ = true;
-    } else if (claims_pose(best->tracked.status.state)) {
-      successor = succeed(*best, tracked);
-      is_finished_ = true;
-    }
+  if (best != candidates_.end() && certainty(best->gain) > 0.0 &&
+      claims_pose(best->tracked.status.state)) {
+    successor = succeed(*best, tracked);
+    is_finished_ = true;
   }
-  if (is_finished_) candidates_.clear();
+  if (is_finished_) restart();
   return successor;
 }
 

@@ -27,9 +27,9 @@ class RunningMean {
 };
 
 /// Finds out whether the times of the points are right. At the begin of a drive the scans are also
-/// tracked with other times, each by a tracker of its own with its own local map. With the right
-/// times the points fit to their map better. The trial begins when the sensor moves, and ends when
-/// the answer is certain.
+/// tracked with other times, each by a tracker of its own with its own local map, and once more
+/// with the given ones. With the right times the points fit to their map better. The trial begins
+/// when the sensor moves, and ends when the answer is certain.
 class SweepTimesTrial {
  public:
   /// A tracker that takes over, because its times are right.
@@ -45,10 +45,10 @@ class SweepTimesTrial {
   void set_viewpoint_at_origin() { viewpoint_at_origin_ = true; }
 
   bool is_finished() const { return is_finished_; }
-  /// Takes a scan after it was tracked with the times that it was given. `without_gyro`: what a
-  /// gyro had corrected in it was put back for the trial.
+  /// Takes a scan after it was tracked with the times that it was given. What a gyro had corrected
+  /// in it has to be put back, and its rate to be left out of the prior.
   std::optional<Successor> add(const Scan& scan, const MotionPrior& prior,
-                               const TrackedScan& tracked, bool without_gyro);
+                               const TrackedScan& tracked);
   /// The next scan does not follow the previous one: the trial begins again.
   void restart();
 
@@ -61,14 +61,12 @@ class SweepTimesTrial {
     RunningMean gain;  ///< logarithm of how much better its scans fit
   };
 
-  void start(const Scan& scan, bool without_gyro);
+  std::unique_ptr<Tracker> new_tracker() const;
+  void start(const Scan& scan);
   bool distorts_sweep(Stamp stamp, const Pose& T_odom_base);
   std::vector<Candidate>::iterator best_candidate();
   std::optional<Successor> decide(const TrackedScan& tracked);
   Successor succeed(Candidate& candidate, const TrackedScan& tracked);
-  static bool is_given(const Candidate& candidate) {
-    return candidate.times.source == SweepTimes::kAsGiven;
-  }
 
   FrontEndConfig config_;
   bool viewpoint_at_origin_ = false;
@@ -79,6 +77,10 @@ class SweepTimesTrial {
   std::optional<Pose> last_pose_;
   Stamp last_stamp_ = 0;
   std::vector<Candidate> candidates_;
+  /// Tracks the scans with the given times, as the candidates do: in a map as young as theirs, and
+  /// without a gyro that corrects the scans, because times look right that are those of a wrong
+  /// one.
+  std::unique_ptr<Tracker> given_;
 };
 
 }  // namespace lidar_mapping::front_end
