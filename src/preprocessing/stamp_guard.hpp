@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "lidar_mapping/common/stamp.hpp"
 
@@ -19,16 +20,15 @@ class StampGuard {
   /// `now` is the latest time of all inputs. Returns false for a stamp that is far from it and from
   /// all previous stamps, until the next stamp confirms it.
   bool accepts(Stamp stamp, Stamp now) {
+    const std::optional<Stamp> refused = std::exchange(unconfirmed_, std::nullopt);
     if (!newest_ || follows(*newest_, stamp) || (stamp > *newest_ && follows(now, stamp))) {
       newest_ = std::max(newest_.value_or(stamp), stamp);
-    } else if (has_unconfirmed_ && follows(unconfirmed_, stamp)) {
+    } else if (refused && follows(*refused, stamp)) {
       newest_ = stamp;
     } else {
       unconfirmed_ = stamp;
-      has_unconfirmed_ = true;
       return false;
     }
-    has_unconfirmed_ = false;
     return true;
   }
 
@@ -42,8 +42,7 @@ class StampGuard {
   }
 
   std::optional<Stamp> newest_;
-  Stamp unconfirmed_ = 0;  ///< the last refused stamp, if there is one since the newest
-  bool has_unconfirmed_ = false;
+  std::optional<Stamp> unconfirmed_;
 };
 
 }  // namespace lidar_mapping::preprocessing
