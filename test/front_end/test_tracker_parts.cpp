@@ -2,6 +2,7 @@
 // The parts of the sequential NDT's tracker: its state, its judge, and what it inserts into its
 // map.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -187,6 +188,54 @@ TEST(LocalMapper, RefinesAMapInARoomOnceItIsFilled) {
 TEST(LocalMapper, TakesScansOfFewPointsAsThoseOfAStreet) {
   EXPECT_TRUE(Insertions(3.0, 4000).mapper().is_indoors());
   EXPECT_FALSE(Insertions(3.0, 1000).mapper().is_indoors());
+}
+
+/// What a sensor a metre above the floor sees in a round room of this radius (m) with this number
+/// of rings, from -15 to 15 degrees.
+Scan scan_of_room(double radius, int rings) {
+  Scan scan;
+  for (int i = 0; i < 900; ++i) {
+    const double azimuth = 2.0 * M_PI * i / 900.0;
+    for (int ring = 0; ring < rings; ++ring) {
+      const double slope = std::tan((30.0 * ring / (rings - 1.0) - 15.0) * M_PI / 180.0);
+      const double distance = slope < 0.0 ? std::min(radius, -1.0 / slope) : radius;
+      scan.cloud.points.push_back({static_cast<float>(distance * std::cos(azimuth)),
+                                   static_cast<float>(distance * std::sin(azimuth)),
+                                   static_cast<float>(distance * slope), 0.0F});
+    }
+  }
+  return scan;
+}
+
+/// Points between the rings of a map's first scan.
+SampledPoints first_points_between_rings(const Scan& scan) {
+  FrontEndConfig config;
+  SweepSampler sweep(config);
+  LocalMapper mapper(config);
+  sweep.set_viewpoint_at_origin();
+  mapper.set_viewpoint_at_origin();
+  TrackerState state(config);
+  StepTimer timer;
+  sweep.sample(scan, 0);
+  start_motion(Pose{}, 0.0, state);
+  mapper.start_map(scan, Pose{}, sweep, state.map);
+  mapper.insert(scan, sweep, state, timer);
+  return mapper.first_points_between_rings(scan, sweep);
+}
+
+TEST(LocalMapper, GivesPointsOfTheFloorBetweenTheRingsOfARoom) {
+  const SampledPoints points = first_points_between_rings(scan_of_room(9.0, 16));
+  EXPECT_GT(points.size(), 300U);
+  for (const float z : points.z) EXPECT_NEAR(z, -1.0, 1e-3);
+}
+
+TEST(LocalMapper, GivesNoPointsBetweenRingsThatCannotBeToldApart) {
+  EXPECT_EQ(first_points_between_rings(scan_of_room(9.0, 500)).size(), 0U);
+}
+
+TEST(LocalMapper, GivesAllPointsBetweenTheRingsOutdoors) {
+  const SampledPoints points = first_points_between_rings(scan_of_room(20.0, 16));
+  EXPECT_GT(std::count_if(points.z.begin(), points.z.end(), [](float z) { return z > 0.0F; }), 100);
 }
 
 TEST(TrackerState, StartsAtThePoseOfTheStamp) {
