@@ -17,6 +17,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -48,8 +49,8 @@ class Browser:
             [program, '--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
              '--enable-unsafe-swiftshader', '--disable-dev-shm-usage', '--remote-debugging-pipe',
              f'--user-data-dir={profile}', f'--window-size={size.replace("x", ",")}', 'about:blank'],
-            preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL)
+            preexec_fn=connect, close_fds=False, start_new_session=True,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(commands)
         os.close(answers)
         self.number = 0
@@ -106,8 +107,26 @@ class Browser:
         path.write_bytes(base64.b64decode(self.send('Page.captureScreenshot', format='png')['data']))
 
     def close(self):
+        """Ends Chromium and its helpers, which outlive it for a moment where the machine is busy."""
         self.process.terminate()
-        self.process.wait(timeout=30)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(timeout=30)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+
+
+@contextlib.contextmanager
+def profile_folder():
+    """A folder for Chromium. What its dying helpers still write must not fail a page that was right."""
+    folder = tempfile.mkdtemp()
+    try:
+        yield folder
+    finally:
+        deadline = time.monotonic() + 10
+        while os.path.exists(folder) and time.monotonic() < deadline:
+            shutil.rmtree(folder, ignore_errors=True)
+            time.sleep(0.05)
 
 
 class Silent(http.server.SimpleHTTPRequestHandler):
@@ -238,7 +257,7 @@ def main():
         print('chromium is not installed: the page was not opened')
         sys.exit(77)
     folder = options.folder.resolve()
-    with tempfile.TemporaryDirectory() as profile:
+    with profile_folder() as profile:
         browser = Browser(program, profile, options.size)
         try:
             shown, address, _ = check_page(browser, folder, options)

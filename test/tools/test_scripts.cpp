@@ -9,4 +9,8 @@ TEST(Scripts, PagesNameWhatIsThere) {
   EXPECT_EQ(std::system("python3 ../scripts/check_names.py"), 0);
 }
 
+TEST(Scripts, FailedTestsAreShown) {
+  EXPECT_EQ(std::system("python3 tools/check_count_tests.py"), 0);
+}
+
 TEST(Scripts, AblationIsRight) { EXPECT_EQ(std::system("python3 tools/check_ablate.py"), 0); }
