@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "free_space_image.hpp"
+#include "lidar_mapping/common/free_space_image.hpp"
+
 #include "point_to_plane.hpp"
 
 namespace lidar_mapping::loop_closing {

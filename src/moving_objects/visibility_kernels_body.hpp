@@ -3,6 +3,7 @@
 // branches, so that they are vectorised, and call no function that the linker could take from
 // another file.
 
+#include "lidar_mapping/common/fast_angle.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "visibility_kernels.hpp"
@@ -17,31 +18,10 @@ constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
 constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
 // Rows of 0.5 degrees. Chosen: a little more than the rings of 64 beams lie apart (0.4 degrees).
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
-constexpr float kMinLength = 1e-37F;  // m; chosen above zero, because it is a divisor
 // m, and m per m: by how much a range has to differ for a vote. Chosen: more than the errors of
 // poses and ranges (5 cm and 0.1 degrees), less than the depth of a car.
 constexpr float kMargin = 0.2F;
 constexpr float kMarginPerRange = 0.02F;
-
-/// atan2 with an error of at most 2e-5 rad, by a polynomial; a pixel is three hundred times as
-/// wide.
-LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
-  const float along = __builtin_fabsf(x);
-  const float across = __builtin_fabsf(y);
-  const float larger = along > across ? along : across;
-  const float longer = larger > kMinLength ? larger : kMinLength;
-  const float a = (along < across ? along : across) / longer;
-  const float s = a * a;
-  const float low =
-      a * (0.99997726F +
-           s * (-0.33262347F +
-                s * (0.19354346F + s * (-0.11643287F + s * (0.05265332F - s * 0.01172120F)))));
-  const float high = 0.5F * kHalfTurn - low;
-  const float half = across > along ? high : low;
-  const float other = kHalfTurn - half;
-  const float angle = x < 0.0F ? other : half;
-  return y < 0.0F ? -angle : angle;
-}
 
 /// Truncates; 0 for negative values and NaN.
 LIDAR_MAPPING_INLINE int truncated(float value) {
@@ -56,8 +36,8 @@ struct Direction {
 
 LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
   const float squared = x * x + y * y;
-  const float azimuth = angle_of(y, x) + kHalfTurn;
-  const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kHalfTurn;
+  const float azimuth = fast_angle(y, x) + kHalfTurn;
+  const float elevation = fast_angle(z, __builtin_sqrtf(squared)) + kHalfTurn;
   const int turned = truncated(azimuth * kColumnsPerRadian);
   return {turned < kRangeImageColumns ? turned : turned - kRangeImageColumns,
           truncated(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};

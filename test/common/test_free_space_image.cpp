@@ -5,11 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/free_space_image.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-#include "free_space_image.hpp"
-
-namespace lidar_mapping::loop_closing {
+namespace lidar_mapping {
 namespace {
 
 using Answer = FreeSpaceImage::FreeSpaceTest;
@@ -61,6 +60,20 @@ TEST(FreeSpaceImage, TestsOnlyWhereItHasReturns) {
   EXPECT_EQ(FreeSpaceImage().test_free_space({1.0F, 0.0F, 0.0F}), Answer::kUntested);
 }
 
+// At the edge of the field of view the ground may lie right below the last returns.
+TEST(FreeSpaceImage, SawThroughOnlyWhereEachRowAroundHasReturns) {
+  const auto saw_through = [](const std::array<float, 9>& ranges, float range) {
+    return image_of(ranges).saw_through(at(range, 0.75, 1.0));
+  };
+  EXPECT_TRUE(saw_through({20, 0, 0, 0, 20, 20, 0, 20, 0}, 10.0F));
+  EXPECT_FALSE(saw_through({0, 0, 0, 20, 20, 20, 20, 20, 20}, 10.0F)) << "none below";
+  EXPECT_FALSE(saw_through({20, 20, 20, 20, 20, 20, 0, 0, 0}, 10.0F)) << "none above";
+  EXPECT_FALSE(saw_through({20, 0, 0, 0, 20, 0, 0, 20, 0}, 10.0F)) << "three returns";
+  EXPECT_FALSE(saw_through({20, 20, 20, 20, 0, 20, 20, 20, 20}, 10.0F)) << "not in the direction";
+  EXPECT_FALSE(saw_through({20, 20, 20, 20, 20, 20, 11, 20, 20}, 10.0F)) << "beside something near";
+  EXPECT_FALSE(FreeSpaceImage().saw_through({1.0F, 0.0F, 0.0F}));
+}
+
 TEST(FreeSpaceImage, KeepsTheNearestReturnOfADirection) {
   std::vector<Eigen::Vector3f> points;
   for (const double azimuth : {-0.75, 0.75, 2.25}) {
@@ -102,4 +115,4 @@ TEST(FreeSpaceImage, IsClosedBehindTheSensor) {
 }
 
 }  // namespace
-}  // namespace lidar_mapping::loop_closing
+}  // namespace lidar_mapping

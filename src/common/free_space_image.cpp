@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "free_space_image.hpp"
+#include "lidar_mapping/common/free_space_image.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/common/fast_angle.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-namespace lidar_mapping::loop_closing {
+namespace lidar_mapping {
 
 namespace {
 
@@ -15,7 +16,7 @@ namespace {
 // ring of 16 beams (2 degrees apart), and thinned clouds still have a return in most cells.
 constexpr int kColumns = 240;
 constexpr int kRows = 90;
-constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
+constexpr auto kHalfTurn = static_cast<float>(kPi);  // rad
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
 // Metres; a block has to be this much behind a point to contradict it. Chosen: more than the error
 // of a match, less than a room or a car is deep.
@@ -37,8 +38,8 @@ FreeSpaceImage::FreeSpaceImage(const std::vector<Eigen::Vector3f>& points,
 
 FreeSpaceImage::Cell FreeSpaceImage::cell_of(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f d = p - sensor_;
-  const float elevation = std::atan2(d.z(), std::hypot(d.x(), d.y()));
-  const float azimuth = std::atan2(d.y(), d.x());
+  const float elevation = fast_angle(d.z(), d.head<2>().norm());
+  const float azimuth = fast_angle(d.y(), d.x());
   Cell cell;
   cell.row = std::clamp(static_cast<int>((elevation / kHalfTurn + 0.5F) * kRows), 0, kRows - 1);
   cell.column =
@@ -47,23 +48,41 @@ FreeSpaceImage::Cell FreeSpaceImage::cell_of(const Eigen::Vector3f& p) const {
   return cell;
 }
 
-FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vector3f& p) const {
-  if (ranges_.empty()) return FreeSpaceTest::kUntested;
-  const Cell cell = cell_of(p);
-  if (ranges_[cell.row * kColumns + cell.column] == kEmpty) return FreeSpaceTest::kUntested;
-  float nearest = kEmpty;
-  int returns = 0;
+bool FreeSpaceImage::has_return(const Cell& cell) const {
+  return !ranges_.empty() && ranges_[cell.row * kColumns + cell.column] != kEmpty;
+}
+
+FreeSpaceImage::Block FreeSpaceImage::block_around(const Cell& cell) const {
+  Block block;
+  block.nearest = kEmpty;
   for (int row = std::max(cell.row - 1, 0); row <= std::min(cell.row + 1, kRows - 1); ++row) {
+    const int returns_before = block.returns;
     for (const int step : {kColumns - 1, 0, 1}) {
       const float range = ranges_[row * kColumns + (cell.column + step) % kColumns];
       if (range == kEmpty) continue;
-      nearest = std::min(nearest, range);
-      ++returns;
+      block.nearest = std::min(block.nearest, range);
+      ++block.returns;
     }
+    block.rows += block.returns > returns_before ? 1 : 0;
   }
-  if (returns < kMinReturns) return FreeSpaceTest::kUntested;
-  return nearest > cell.range + kViolationMargin ? FreeSpaceTest::kViolation
-                                                 : FreeSpaceTest::kConsistent;
+  return block;
 }
 
-}  // namespace lidar_mapping::loop_closing
+FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vector3f& p) const {
+  const Cell cell = cell_of(p);
+  if (!has_return(cell)) return FreeSpaceTest::kUntested;
+  const Block block = block_around(cell);
+  if (block.returns < kMinReturns) return FreeSpaceTest::kUntested;
+  return block.nearest > cell.range + kViolationMargin ? FreeSpaceTest::kViolation
+                                                       : FreeSpaceTest::kConsistent;
+}
+
+bool FreeSpaceImage::saw_through(const Eigen::Vector3f& p) const {
+  const Cell cell = cell_of(p);
+  if (!has_return(cell)) return false;
+  const Block block = block_around(cell);
+  return block.returns >= kMinReturns && block.rows == 3 &&
+         block.nearest > cell.range + kViolationMargin;
+}
+
+}  // namespace lidar_mapping
