@@ -107,6 +107,60 @@ class Insertions {
   StepTimer timer_;
 };
 
+TEST(SweepSampler, LeavesMarkedPointsOutUntilTheNextScan) {
+  const Scan scan = scan_of_walls(20.0);
+  SweepSampler sweep{FrontEndConfig{}};
+  sweep.sample(scan, 0);
+  const std::size_t all = sweep.points().size();
+  EXPECT_FALSE(sweep.leaves_out_points());
+  PointMarks marks(all, 0);
+  marks[1] = marks[3] = 1;
+  sweep.leave_out(marks);
+  EXPECT_TRUE(sweep.leaves_out_points());
+  EXPECT_EQ(sweep.points().size(), all - 2);
+  EXPECT_EQ(sweep.sparse().size(), all - 2);
+  const std::size_t dense = sweep.sample_dense(scan).size();
+  marks.assign(dense, 1);
+  marks[0] = 0;
+  sweep.leave_out_of_dense(marks);
+  EXPECT_EQ(sweep.sample_dense(scan).size(), dense) << "sampled anew";
+  sweep.sample(scan, 0);
+  EXPECT_FALSE(sweep.leaves_out_points());
+  EXPECT_GE(sweep.points().size(), all);
+}
+
+/// A wall ahead of the sensor, 4 m wide and high, with a point every 0.2 m.
+Scan scan_of_a_plate(double distance) {
+  Scan scan;
+  for (float y = -2.0F; y < 2.0F; y += 0.2F) {
+    for (float z = -2.0F; z < 2.0F; z += 0.2F)
+      scan.cloud.points.push_back({static_cast<float>(distance), y, z, 0.0F});
+  }
+  return scan;
+}
+
+// What stands where the scan before looked through moves: it does not enter the map. Only a scan
+// of which such points were left out is tested for them.
+TEST(LocalMapper, InsertsNoMovingPoints) {
+  FrontEndConfig config;
+  config.calibrate_elevation = false;
+  const Scan far = scan_of_a_plate(20.0), near = scan_of_a_plate(8.0);
+  for (const bool leaves_out : {false, true}) {
+    SweepSampler sweep(config);
+    TrackerState state(config);
+    LocalMapper mapper(config);
+    StepTimer timer;
+    start_motion(Pose{}, 0.0, state);
+    sweep.sample(far, 0);
+    mapper.start_map(far, Pose{}, sweep, state.map);
+    mapper.insert(far, sweep, state, timer);
+    sweep.sample(near, 1);
+    if (leaves_out) sweep.leave_out(PointMarks(sweep.points().size(), 1));
+    const std::size_t inserted = mapper.insert(near, sweep, state, timer).size();
+    EXPECT_EQ(inserted > 100, !leaves_out) << inserted;
+  }
+}
+
 TEST(LocalMapper, InsertsTheFirstScansAndThenWhereTheSensorMoves) {
   Insertions insertions(20.0);
   EXPECT_TRUE(insertions.state().map.empty());

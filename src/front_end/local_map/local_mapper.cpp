@@ -87,6 +87,11 @@ void LocalMapper::start_map(const Scan& scan, const Pose& T_odom_base, const Swe
       RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
 }
 
+void LocalMapper::interrupt() {
+  elevation_.interrupt();
+  moving_points_.clear();
+}
+
 bool LocalMapper::is_due(const TrackerState& state) const {
   return state.coverage.inserted_scans < kInitialScans ||
          kInsertionRule.scaled(state.map.scan_density())
@@ -98,6 +103,10 @@ const SampledPoints& LocalMapper::insert(const Scan& scan, SweepSampler& sweep, 
   timer.start("dense sampling");
   const SampledPoints& dense = sweep.sample_dense(scan);
   timer.start("insertion");
+  PointMarks moving;
+  if (sweep.leaves_out_points()) moving = moving_points_.find(dense, state.filter.state());
+  moving_points_.add_view(dense, state.filter.state());
+  if (!moving.empty()) sweep.leave_out_of_dense(moving);
   insert_points(scan, dense, sweep, state);
   if (!calibrates_elevation_ || state.coverage.inserted_scans <= kInitialScans) return dense;
   timer.start("calibration");

@@ -6,6 +6,7 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 
 #include "local_map/elevation_calibration.hpp"
+#include "local_map/moving_points.hpp"
 #include "scan/ring_spacing.hpp"
 #include "tracking/tracker_state.hpp"
 
@@ -28,7 +29,7 @@ class LocalMapper {
                  LocalMap& map);
   bool is_indoors() const { return is_indoors_; }
   /// The next scan is not connected with the previous one.
-  void interrupt() { elevation_.interrupt(); }
+  void interrupt();
 
   /// True if a scan with the pose of this state is to be inserted: the first ones, and then one
   /// whenever the sensor has moved on, so that standing still adds nothing.
@@ -46,7 +47,12 @@ class LocalMapper {
   /// To be called if the points of a scan at this pose did not observe a direction.
   void mark_open_field(const Pose& T_map_sensor) { ring_spacing_.mark_open_field(T_map_sensor); }
 
+  /// To be called if the pose has jumped within the map.
+  void forget_views() { moving_points_.clear(); }
+
   const ElevationCalibration& elevation() const { return elevation_; }
+  /// Finds points on what moves, by the scans that were inserted.
+  const MovingPointFinder& moving_points() const { return moving_points_; }
 
  private:
   /// Dense points of a scan, and the motion with which they were inserted.
@@ -71,6 +77,7 @@ class LocalMapper {
   Pose start_pose_;      ///< pose of the map's first scan, at its stamp
   Pose last_insertion_;  ///< pose of the scan last inserted
   ElevationCalibration elevation_;
+  MovingPointFinder moving_points_;
 };
 
 }  // namespace lidar_mapping::front_end

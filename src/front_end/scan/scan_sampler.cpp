@@ -89,6 +89,18 @@ void SampledPoints::push_back(const Eigen::Vector3f& p, float time) {
   s.push_back(time);
 }
 
+void SampledPoints::remove(const PointMarks& marks) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    x[kept] = x[i];
+    y[kept] = y[i];
+    z[kept] = z[i];
+    s[kept] = s[i];
+    kept += marks[i] == 0 ? 1U : 0U;
+  }
+  for (auto* array : {&x, &y, &z, &s}) array->resize(kept);
+}
+
 void rotate_upwards(SampledPoints& points, double angle) {
   if (angle == 0.0) return;
   const ElevationShift shift(angle);

@@ -45,6 +45,9 @@ class ScanSampler {
   std::vector<std::uint32_t> chosen_;
 };
 
+/// For each point 1 if it is marked, else 0.
+using PointMarks = std::vector<std::uint8_t>;
+
 /// Coordinates of sampled points in separate arrays, and their times: seconds after the stamp minus
 /// `reference`, or zero if the cloud has no times.
 struct SampledPoints {
@@ -54,6 +57,9 @@ struct SampledPoints {
   std::size_t size() const { return x.size(); }
   void assign(const PointCloud& cloud, const std::vector<std::uint32_t>& indices, double reference);
   void push_back(const Eigen::Vector3f& p, float time);
+  Eigen::Vector3f position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  /// Removes the points that are marked; the others keep their order.
+  void remove(const PointMarks& marks);
 };
 
 /// Rotates all points upwards by `angle` (rad), see ElevationShift.

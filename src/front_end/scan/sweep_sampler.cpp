@@ -87,6 +87,17 @@ void SweepSampler::sample(const Scan& scan, std::size_t phase) {
   scattered_order_ = stride_for(scan.cloud.size()) > 1 && in_sweep_order(scan.cloud);
   sample_sparse_once(scan, phase);
   if (!std::exchange(sparse_cell_adapted_, true)) sample_sparse_once(scan, phase);
+  assign_points();
+  leaves_out_points_ = false;
+}
+
+void SweepSampler::leave_out(const PointMarks& marks) {
+  sparse_.remove(marks);
+  assign_points();
+  leaves_out_points_ = true;
+}
+
+void SweepSampler::assign_points() {
   points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s, sparse_.viewpoint);
 }
 

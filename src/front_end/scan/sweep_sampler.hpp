@@ -39,6 +39,10 @@ class SweepSampler {
   void set_elevation_shift(double angle) { elevation_shift_ = angle; }
   /// Samples the points to be matched; `phase` makes each scan start with another point.
   void sample(const Scan& scan, std::size_t phase);
+  /// Leaves the marked ones of these points out.
+  void leave_out(const PointMarks& marks);
+  /// True if points of this scan were left out.
+  bool leaves_out_points() const { return leaves_out_points_; }
   const registration::NdtPoints& points() const { return points_; }
   /// The same points in the order in which they were sampled.
   const SampledPoints& sparse() const { return sparse_; }
@@ -51,6 +55,8 @@ class SweepSampler {
   /// Samples the points for the map, from the scan for which sample() was called last; valid until
   /// the next call.
   const SampledPoints& sample_dense(const Scan& scan);
+  /// Leaves the marked ones of those points out.
+  void leave_out_of_dense(const PointMarks& marks) { dense_.remove(marks); }
   /// Interpolates points between the rings of the scan for which sample_dense() was called last.
   /// Valid until the next call.
   const SampledPoints& sample_between_rings(const Scan& scan, RingSurfaces surfaces);
@@ -59,6 +65,7 @@ class SweepSampler {
  private:
   void sample_sparse_once(const Scan& scan, std::size_t phase);
   void sample_dense_once(const Scan& scan);
+  void assign_points();
 
   AdaptiveCell sparse_cell_;
   AdaptiveCell dense_cell_;
@@ -66,6 +73,7 @@ class SweepSampler {
   bool scattered_order_ = false;      ///< see SamplingOptions
   bool sparse_cell_adapted_ = false;  ///< the cell has adapted to a first scan
   bool dense_cell_adapted_ = false;
+  bool leaves_out_points_ = false;
   ScanSampler sparse_sampler_;
   ScanSampler dense_sampler_;
   RingInterpolator ring_interpolator_;

@@ -90,12 +90,24 @@ StepMatch NdtTracker::match_scan(const Step& step, const PredictedMotion& predic
   recovered = false_standstill_.detect(sweep_.sparse(), found.match, step.seconds,
                                        state_.coverage.is_single_place, state_.filter);
   if (recovered) return match_from_vertical_structure(*recovered);
-  return {std::move(found), beliefs.high_noise};
+  return {match_without_moving_points(std::move(found), beliefs), beliefs.high_noise};
+}
+
+/// At a pose that is wrong much lies where free space was.
+SweepMatcher::Found NdtTracker::match_without_moving_points(SweepMatcher::Found found,
+                                                            const Prediction& beliefs) {
+  if (judge_.match_judge().in_doubt(found.match, beliefs.nominal)) return found;
+  const PointMarks moving = mapper_.moving_points().find(sweep_.sparse(), found.match.state);
+  if (moving.empty()) return found;
+  sweep_.leave_out(moving);
+  return matcher_.find(sweep_.points(), state_.map, judge_.match_judge(), beliefs,
+                       {state_.last_matched_pose});
 }
 
 StepMatch NdtTracker::match_from_vertical_structure(const MotionFilter& recovered) {
   state_.filter = recovered;
   initialization_.finalize();
+  mapper_.forget_views();
   judge_.reset_usual_quality();
   const MotionBelief prior = recovered.belief();
   return {matcher_.match_without(sweep_.points(), state_.map, prior, prior.state, kLevelDirections),

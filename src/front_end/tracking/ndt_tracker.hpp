@@ -49,6 +49,9 @@ class NdtTracker : public Tracker {
               TrackedScan& result);
   void finish(TrackedScan& result);
 
+  /// The same match, or one without the points on what moves, if there are any.
+  SweepMatcher::Found match_without_moving_points(SweepMatcher::Found found,
+                                                  const Prediction& beliefs);
   /// Matches from the pose that vertical structures gave to this filter, which is adopted.
   StepMatch match_from_vertical_structure(const MotionFilter& recovered);
   /// Completes the first scan with the motion that the match of the second one shows.
