@@ -19,7 +19,8 @@ class MovingPointFinder {
   void clear() { views_.clear(); }
   /// Keeps what the scan saw as free if the sensor has moved on far enough since the last view.
   void add_view(const SampledPoints& points, const registration::MotionState& motion);
-  /// Marks the points of a scan with this motion that move; empty unless some do.
+  /// Marks the points of a scan with this motion that move; empty if they are few, such as those on
+  /// a car that passes.
   PointMarks find(const SampledPoints& points, const registration::MotionState& motion) const;
 
  private:
