@@ -103,6 +103,22 @@ TEST(MarkedPlanes, LeavePointsThatLieOnNone) {
   EXPECT_EQ(marks, before);
 }
 
+TEST(MarkedPlanes, AreNoneOfPointsOnALine) {
+  const Points points = ground();
+  PointMarks marks = marks_where(points, [](const auto& p) { return p.y() == 0.25F; });
+  ASSERT_EQ(count(marks), 40);
+  const PointMarks before = marks;
+  mark_planes(sampled(points), marks);
+  EXPECT_EQ(marks, before);
+  const Points line(points.begin(), points.begin() + 30);  // all of them
+  marks.assign(200, 0);
+  std::fill_n(marks.begin(), 30, 1);
+  Points with_line = line;
+  for (int i = 0; i < 170; ++i) with_line.emplace_back(0.1F * static_cast<float>(i), 3.0F, 2.0F);
+  mark_planes(sampled(with_line), marks);
+  EXPECT_EQ(count(marks), 30);
+}
+
 TEST(MarkedPlanes, AreNoneWithoutMarks) {
   PointMarks marks;
   mark_planes({}, marks);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -37,7 +39,6 @@ constexpr double kMinFraction = 0.1;
 
 class Plane {
  public:
-  Plane() = default;
   Plane(const Eigen::Vector3f& point, const Eigen::Vector3f& normal)
       : normal_(normal),
         offset_(normal.dot(point)),
@@ -52,10 +53,10 @@ class Plane {
   }
 
  private:
-  Eigen::Vector3f normal_ = Eigen::Vector3f::Zero();
-  float offset_ = 0.0F;
-  Eigen::Vector3f u_ = Eigen::Vector3f::Zero();  ///< in the plane, as v_
-  Eigen::Vector3f v_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal_;
+  float offset_;       ///< m, along the normal
+  Eigen::Vector3f u_;  ///< in the plane, as v_
+  Eigen::Vector3f v_;
 };
 
 Indices points_on(const Plane& plane, const SampledPoints& points, const Indices& among) {
@@ -66,10 +67,10 @@ Indices points_on(const Plane& plane, const SampledPoints& points, const Indices
   return found;
 }
 
-/// The plane that holds most of the points, by random samples (Fischler, Bolles 1981). The numbers
-/// are the same in each call, so that equal scans give equal results.
-Plane largest_plane(const SampledPoints& points, const Indices& among) {
-  Plane largest;
+/// The plane that holds most of the points, by random samples (Fischler, Bolles 1981); none if they
+/// lie on a line. The numbers are the same in each call, so that equal scans give equal results.
+std::optional<Plane> largest_plane(const SampledPoints& points, const Indices& among) {
+  std::optional<Plane> largest;
   std::size_t most = 0;
   std::uint64_t draw = 0;
   const auto next = [&] {
@@ -121,16 +122,17 @@ void mark_planes(const SampledPoints& points, PointMarks& marks) {
     if (marks[i] != 0) marked.push_back(i);
   }
   while (marked.size() >= kMinMarked) {
-    const Plane plane = largest_plane(points, marked);
-    const Indices on_plane = points_on(plane, points, marked);
+    const std::optional<Plane> plane = largest_plane(points, marked);
+    if (!plane) return;
+    const Indices on_plane = points_on(*plane, points, marked);
     if (on_plane.size() < kMinMarked) return;
-    const Indices connected = connected_points(plane, points, on_plane);
+    const Indices connected = connected_points(*plane, points, on_plane);
     if (static_cast<double>(on_plane.size()) >=
         kMinFraction * static_cast<double>(connected.size())) {
       for (const std::size_t i : connected) marks[i] = 1;
     }
     marked.erase(std::remove_if(marked.begin(), marked.end(),
-                                [&](std::size_t i) { return plane.holds(points.position(i)); }),
+                                [&](std::size_t i) { return plane->holds(points.position(i)); }),
                  marked.end());
   }
 }
