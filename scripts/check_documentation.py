@@ -262,6 +262,21 @@ class Block:
             self.problems.add(command, f'says {red.strip()!r}', output)
 
 
+@contextlib.contextmanager
+def snapshot(*folders):
+    """A function that puts the folders back to what they are now: commands refuse to overwrite what they made before."""
+    with tempfile.TemporaryDirectory(prefix='lidar_mapping_before_') as copies:
+        pairs = [(folder, pathlib.Path(copies) / str(number)) for number, folder in enumerate(folders)]
+        for folder, copy in pairs:
+            shutil.copytree(folder, copy, symlinks=True)
+
+        def restore():
+            for folder, copy in pairs:
+                shutil.rmtree(folder)
+                shutil.copytree(copy, folder, symlinks=True)
+        yield restore
+
+
 class Commands:
     """All commands of the pages."""
 
@@ -278,9 +293,14 @@ class Commands:
             if not commands:
                 continue
             self.count += len(commands)
-            if self._run_block(commands, folder, rviz_may_crash=True):
-                print(f'{commands[0]}\n  rviz ended by signal 11: the block is run once more', flush=True)
+            if not any('roslaunch' in command.text for command in commands):
                 self._run_block(commands, folder, rviz_may_crash=False)
+                continue
+            with snapshot(folder, pathlib.Path(self.environment['HOME'])) as restore:
+                if self._run_block(commands, folder, rviz_may_crash=True):
+                    print(f'{commands[0]}\n  rviz ended by signal 11: the block is run once more', flush=True)
+                    restore()
+                    self._run_block(commands, folder, rviz_may_crash=False)
 
     def _run_block(self, commands, folder, rviz_may_crash):
         """Whether rviz crashed, where it may."""
