@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Simulate a drive, map it with the nodes while rosbag plays it, and judge the map.
+"""Simulate a drive, map it with the nodes while rosbag plays it, judge the map, and find another drive in it.
 
 The package must be built and its setup sourced; scripts/demo does both.
 """
@@ -19,6 +19,8 @@ import sys
 import time
 
 import yaml
+
+import second_drive
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PACKAGE = 'lidar_mapping'
@@ -42,10 +44,10 @@ def arguments():
     return parser.parse_args()
 
 
-def run(*command, **options):
+def run(*command, statuses=(0,), **options):
     """Run a command, with its output shown; stop the demo if it fails."""
     result = subprocess.run([str(word) for word in command], **options)
-    if result.returncode != 0:
+    if result.returncode not in statuses:
         sys.exit(f'demo: failed with status {result.returncode}: '
                  + ' '.join(str(word) for word in command))
     return result
@@ -210,10 +212,23 @@ def print_table(errors):
               f"{kitti['rotation_deg_per_100m']:8.3f} deg/100m")
 
 
+def print_localization(figures):
+    seconds = figures['localization_found_after_seconds']
+    if seconds is None:
+        print('The drive of another day was not found in the map')
+        return
+    print(f"The drive of another day was found after {seconds:.1f} s; {figures['localization_scans_followed']} of "
+          f"{figures['localization_scans']} scans followed, {1000 * figures['localization_rmse']:.0f} mm RMSE")
+
+
+def cloud_of(saved):
+    """The map as a PCD file."""
+    return next(name for name in saved['files'] if name.endswith('.pcd'))
+
+
 def points_in(saved):
     """The number of points in a PCD file's header."""
-    cloud = next(name for name in saved['files'] if name.endswith('.pcd'))
-    with open(cloud, 'rb') as file:
+    with open(cloud_of(saved), 'rb') as file:
         header = file.read(4096).decode('ascii', 'replace')
     return int(re.search(r'^POINTS (\d+)', header, re.MULTILINE).group(1))
 
@@ -242,6 +257,11 @@ def main():
     rosrun('map_quality', session, '--report', '--truth', truth, '--places', 5)
     run(ROOT / 'scripts' / 'plot_loops.py', session / 'report.json', demo / 'loops.png')
 
+    say('Another day: a drive finds itself in the map')
+    localized = second_drive.localize(options, session, truth, demo, rosrun)
+    run(ROOT / 'scripts' / 'plot_localization.py', cloud_of(saved), demo / 'another_day' / 'localization.csv',
+        demo / 'another_day.tum', truth, session / 'trajectory' / 'optimized.tum', demo / 'localization.png')
+
     scans = scans_in(bag)
     summary = {f'{name}_ape_rmse': errors[name]['ape']['translation_m']['rmse']
                for name, _, _ in VARIANTS}
@@ -255,6 +275,7 @@ def main():
         'map_bag_seconds': again['seconds']['mapping'],
         'map_bag_times_real_time': again['times_real_time']['mapping'],
         'seconds': round(time.monotonic() - started, 1),
+        **localized,
     })
     (demo / 'summary.json').write_text(json.dumps(summary, indent=2) + '\n')
 
@@ -262,9 +283,11 @@ def main():
     print(f"\n{summary['scans']} scans, {summary['scans_dropped']} dropped, "
           f"{summary['key_frames']} key frames, {summary['loop_constraints']} loops, "
           f"{summary['map_points']} points in the map, {summary['seconds']:.0f} s")
+    print_localization(localized)
     for title, path in [('session', session), ('report', session / 'report.html'),
                         ('trajectory plot', demo / 'trajectory.png'),
                         ('loops plot', demo / 'loops.png'),
+                        ('another day', demo / 'localization.png'),
                         ('view from above', demo / 'top_view.png'), ('figures', demo / 'summary.json')] + [
                             ('map', path) for path in saved['files']] + ([('browser page', page)] if page else []):
         print(f'{title + ":":18}{path}')

@@ -14,3 +14,7 @@ TEST(Scripts, FailedTestsAreShown) {
 }
 
 TEST(Scripts, AblationIsRight) { EXPECT_EQ(std::system("python3 tools/check_ablate.py"), 0); }
+
+TEST(Scripts, TheDemosSecondDriveIsRight) {
+  EXPECT_EQ(std::system("python3 tools/check_second_drive.py"), 0);
+}
