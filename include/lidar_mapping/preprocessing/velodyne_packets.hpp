@@ -3,12 +3,11 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/stamp.hpp"
-#include "lidar_mapping/preprocessing/scan_times.hpp"
+#include "lidar_mapping/preprocessing/packet_scan.hpp"
 #include "lidar_mapping/preprocessing/velodyne_calibration.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -20,14 +19,6 @@ struct VelodynePacket {
 
   Stamp stamp = 0;                      ///< of the packet, ns
   const unsigned char* data = nullptr;  ///< kBytes of them
-};
-
-/// A scan from packets.
-struct PacketScan {
-  PointCloud cloud;      ///< m, in the axes of the driver (x ahead, z up); times in s after a stamp
-  TimeSpan span;         ///< of the times
-  std::string contents;  ///< for the user: "76 packets of a VLP-16"
-  std::size_t damaged_packets = 0;  ///< left out, as their blocks are not those of a Velodyne
 };
 
 /// Decodes the packets of VLP-16, Puck Hi-Res, VLP-32C, HDL-32E and HDL-64E (S2, S3), in single and

@@ -2,6 +2,7 @@
 #include "lidar_mapping/preprocessing/velodyne_packets.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -12,6 +13,8 @@
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/units.hpp"
 
+#include "packets/azimuth_groups.hpp"
+#include "packets/packet_times.hpp"
 #include "packets/velodyne_models.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -23,14 +26,8 @@ constexpr std::size_t kChannels = 4;          // byte of the first range in a bl
 constexpr std::size_t kChannel = 3;           // bytes: range (two) and reflectivity, by the manual
 constexpr std::size_t kChannelsOfBlock = 32;  // by the user's manual
 constexpr std::size_t kTime = 1200;           // byte of the time in a packet, by the manual
-constexpr unsigned kTurn = 36000;             // counts of azimuth, 0.01 degrees, by the manual
 constexpr std::int64_t kHour =
     3'600'000'000;  // us until the sensor's time begins anew, by the manual
-/// Largest turn from block to block, counts. Chosen: no sensor turns so far, even at 20 Hz.
-constexpr unsigned kLargestStep = 500;
-/// Largest difference of the sensor's clock from the stamps within a scan, s. Chosen: stamps of
-/// packets that wait in a network are late by less; a sensor without a clock differs by more.
-constexpr double kSameClock = 0.05;
 /// From packet to packet of an HDL-64E, s, by its user's manual (1.333 million points a second);
 /// used where a scan has a single packet.
 constexpr double kHdl64Packet = 288e-6;
@@ -53,38 +50,13 @@ bool is_whole(const VelodynePacket& packet) {
   return true;
 }
 
-std::int64_t sensor_microseconds(const VelodynePacket& packet) {
-  return number_at<std::uint32_t>(packet.data + kTime);
-}
-
-/// Seconds from the first packet to each one by the sensor's clock; empty if that is no clock.
-std::vector<double> sensor_times(const std::vector<VelodynePacket>& packets) {
-  std::vector<double> times;
-  for (const VelodynePacket& packet : packets) {
-    std::int64_t passed = sensor_microseconds(packet) - sensor_microseconds(packets.front());
-    if (passed < -kHour / 2) passed += kHour;
-    times.push_back(1e-6 * static_cast<double>(passed));
-    const double by_stamps = to_seconds(packet.stamp - packets.front().stamp);
-    if (std::abs(times.back() - by_stamps) > kSameClock) return {};
-  }
-  return times;
-}
-
-/// Times of the packets' first firings, s after the scan's stamp. They are those of the sensor's
-/// clock, which no network delays; the packet that came soonest says how that clock stands to the
-/// stamps. Without such a clock the times are the stamps.
+/// Times of the packets' first firings, s after the scan's stamp.
 std::vector<double> times_of(const std::vector<VelodynePacket>& packets, Stamp stamp) {
-  const std::vector<double> sensor = sensor_times(packets);
-  double soonest = 0.0;
-  for (std::size_t i = 0; i < sensor.size(); ++i) {
-    const double offset = to_seconds(packets[i].stamp - stamp) - sensor[i];
-    soonest = i == 0 ? offset : std::min(soonest, offset);
+  std::vector<PacketTime> times;
+  for (const VelodynePacket& packet : packets) {
+    times.push_back({packet.stamp, number_at<std::uint32_t>(packet.data + kTime)});
   }
-  std::vector<double> times;
-  for (std::size_t i = 0; i < packets.size(); ++i) {
-    times.push_back(sensor.empty() ? to_seconds(packets[i].stamp - stamp) : sensor[i] + soonest);
-  }
-  return times;
+  return packet_times(times, kHour, stamp);
 }
 
 /// s from packet to packet.
@@ -95,30 +67,10 @@ double packet_duration(const std::vector<double>& times) {
   return step > 0.0 ? step : kHdl64Packet;
 }
 
-/// The blocks of a packet that were measured at the same azimuth: upper and lower lasers, and both
-/// returns in dual return mode.
-struct Group {
-  std::size_t begin = 0;  ///< first block
-  std::size_t end = 0;    ///< after the last block
-  unsigned azimuth = 0;   ///< counts
-  double step = 0.0;      ///< counts to the next group
-};
-
-std::vector<Group> groups_of(const unsigned char* packet) {
-  std::vector<Group> groups;
-  for (std::size_t b = 0; b < kBlocks; ++b) {
-    const unsigned azimuth = azimuth_of(packet + b * kBlock);
-    if (groups.empty() || groups.back().azimuth != azimuth) groups.push_back({b, b, azimuth, 0.0});
-    groups.back().end = b + 1;
-  }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const bool is_last = g + 1 == groups.size();
-    const unsigned step =
-        is_last ? 0U : (groups[g + 1].azimuth + kTurn - groups[g].azimuth) % kTurn;
-    if (step > 0U && step <= kLargestStep) groups[g].step = step;
-    if (groups[g].step == 0.0 && g > 0) groups[g].step = groups[g - 1].step;
-  }
-  return groups;
+std::vector<AzimuthGroup> groups_of(const unsigned char* packet) {
+  std::array<unsigned, kBlocks> azimuths{};
+  for (std::size_t b = 0; b < kBlocks; ++b) azimuths[b] = azimuth_of(packet + b * kBlock);
+  return azimuth_groups(azimuths.data(), kBlocks);
 }
 
 /// How much nearer than far away a range is to be corrected, by the manual of the HDL-64E.
@@ -190,7 +142,7 @@ class PointCollector {
   /// `begin`: of the packet, s after the scan's stamp. `duration`: s to the next packet, for models
   /// whose firing times are not known.
   void add(const unsigned char* packet, double begin, double duration) {
-    const std::vector<Group> groups = groups_of(packet);
+    const std::vector<AzimuthGroup> groups = groups_of(packet);
     const double known = static_cast<double>(model_.sequences) * model_.sequence;
     const double step = known > 0.0 ? known : duration / static_cast<double>(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -202,8 +154,8 @@ class PointCollector {
   }
 
  private:
-  void add_block(const unsigned char* packet, const Group& group, std::size_t block, double time,
-                 double duration) {
+  void add_block(const unsigned char* packet, const AzimuthGroup& group, std::size_t block,
+                 double time, double duration) {
     const unsigned char* const at = packet + block * kBlock;
     const unsigned char* const first = first_return(packet, group, block);
     const std::size_t bank = number_at<std::uint16_t>(at) == kLowerBlock ? kChannelsOfBlock : 0;
@@ -225,7 +177,7 @@ class PointCollector {
   }
 
   /// The block with the other return of the same lasers; null for the first one.
-  static const unsigned char* first_return(const unsigned char* packet, const Group& group,
+  static const unsigned char* first_return(const unsigned char* packet, const AzimuthGroup& group,
                                            std::size_t block) {
     const unsigned flag = number_at<std::uint16_t>(packet + block * kBlock);
     for (std::size_t other = group.begin; other < block; ++other) {
