@@ -89,7 +89,8 @@ std::string dropped_scans(const preprocessing::PreprocessingCounters& counters) 
 
 /// Keeps the message as long as the cloud. Throws InputError if it is shorter than it says.
 RecordedCloud whole_cloud(const boost::shared_ptr<const WireMessage>& message) try {
-  return read_cloud(message->type, message->bytes(), {message.get(), [message](const void*) {}});
+  return read_cloud(message->type, message->md5sum, message->bytes(),
+                    {message.get(), [message](const void*) {}});
 } catch (const ros::Exception&) {
   throw InputError("a message of " + message->type + " with " +
                    std::to_string(message->data.size()) + " bytes is cut off and left out");

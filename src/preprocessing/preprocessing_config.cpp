@@ -86,6 +86,10 @@ void add_points(Schema& schema) {
       .text("velodyne_calibration", &Config::velodyne_calibration,
             "Calibration file of velodyne_pointcloud (YAML) for packets of a Velodyne; without it "
             "the nominal angles of the model are used, which an HDL-64E does not have.")
+      .text("hesai_calibration", &Config::hesai_calibration,
+            "Calibration file of Hesai's driver (CSV: channel, elevation, azimuth) for packets of "
+            "a Hesai; without it that which the driver records beside the packets is used, or else "
+            "the nominal angles of the model.")
       .real("vertical_angle_correction_deg", &Config::vertical_angle_correction_deg, {-5.0, 5.0},
             "deg", "Turns every beam upwards (0.205 for the HDL-64E of KITTI).")
       .choice("downsample_method", &Config::downsample_method,

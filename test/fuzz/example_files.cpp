@@ -23,6 +23,7 @@
 
 #include "../ros/cloud_builder.hpp"
 #include "cloud_forms.hpp"
+#include "hesai_messages.hpp"
 #include "mcap_writer.hpp"
 #include "ouster_messages.hpp"
 #include "ros2_writer.hpp"
@@ -176,6 +177,35 @@ VelodyneScanMessage velodyne_scan(const ros::Time& now) {
   return scan;
 }
 
+std::string hesai_channels() {
+  std::string text = "Channel,Elevation,Azimuth\n";
+  for (int i = 1; i <= 16; ++i) {
+    text += std::to_string(i) + "," + std::to_string(17 - 2 * i) + ",-0.25\n";
+  }
+  return text;
+}
+
+/// Packets in dual return mode, and the calibration beside them.
+template <PandarDriver driver>
+PandarScanMessage<driver> hesai_scan(const ros::Time& now) {
+  PandarScanMessage<driver> scan;
+  if (driver == PandarDriver::kPandarMsgs) scan.header.stamp = now;
+  scan.header.frame_id = "lidar";
+  for (std::size_t p = 0; p < 3; ++p) {
+    std::vector<HesaiBlock> blocks;
+    for (std::size_t b = 0; b < 8; ++b) {
+      blocks.push_back({static_cast<std::uint16_t>(18 * (4 * p + b / 2)), [b](std::size_t laser) {
+                          return HesaiReturn{static_cast<std::uint16_t>(2000 + b * laser), 9};
+                        }});
+    }
+    const auto microseconds = static_cast<std::uint32_t>(200 * p);
+    scan.packets.emplace_back(now + ros::Duration(1e-6 * microseconds),
+                              HesaiPacketWriter(kPandarXt16).write(blocks, microseconds));
+  }
+  scan.packets.emplace_back(now, hesai_calibration_packet(hesai_channels()));
+  return scan;
+}
+
 /// Some packets of a turn and one of the IMU, and before the first ones the metadata.
 void write_ouster_turn(rosbag::Bag& bag, const ros::Time& now, std::uint32_t turn) {
   OusterSensor sensor;
@@ -217,6 +247,8 @@ void write_bag_of_driver(const fs::path& path, const std::string& driver) {
     const sensor_msgs::PointCloud2 cloud = timed_cloud(now);
     if (driver == "livox") bag.write("/points", now, as_livox<LivoxDriver::kTwo>(cloud));
     if (driver == "velodyne") bag.write("/points", now, velodyne_scan(now));
+    if (driver == "hesai") bag.write("/points", now, hesai_scan<PandarDriver::kHesaiLidar>(now));
+    if (driver == "pandar") bag.write("/points", now, hesai_scan<PandarDriver::kPandarMsgs>(now));
     if (driver == "ouster") write_ouster_turn(bag, now, i);
     if (driver == "point_cloud1") bag.write("/points", now, as_point_cloud1(cloud));
     if (driver == "split_times") bag.write("/points", now, with_split_times(cloud));
@@ -274,6 +306,8 @@ void write_velodyne_calibration(const fs::path& path) {
             "horiz_offset_correction: 0.026, focal_distance: 12, focal_slope: 1.4}\n";
   }
 }
+
+void write_hesai_calibration(const fs::path& path) { std::ofstream(path) << hesai_channels(); }
 
 void write_session(const fs::path& folder) {
   session::Session session = session::Session::create_in(folder);

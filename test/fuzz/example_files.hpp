@@ -14,7 +14,7 @@ void write_bag(const std::filesystem::path& path, rosbag::compression::Compressi
 /// The same with the other types of message that are read: NMEA sentences, velocities with their
 /// covariance, moving frames.
 void write_bag_of_other_types(const std::filesystem::path& path);
-/// The same with clouds as drivers publish them: livox, velodyne, ouster,
+/// The same with clouds as drivers publish them: livox, velodyne, hesai, pandar, ouster,
 /// point_cloud1 or split_times.
 void write_bag_of_driver(const std::filesystem::path& path, const std::string& driver);
 /// A recording of ROS 2 with clouds, an IMU and frames.
@@ -23,6 +23,8 @@ void write_ros2_recording(const std::filesystem::path& path);
 void write_mcap_recording(const std::filesystem::path& path, const std::string& compression);
 /// A calibration file of velodyne_pointcloud.
 void write_velodyne_calibration(const std::filesystem::path& path);
+/// A calibration file of Hesai's driver.
+void write_hesai_calibration(const std::filesystem::path& path);
 /// Key frames, loops, verdicts, measurements and poses.
 void write_session(const std::filesystem::path& folder);
 void write_hdl_dump(const std::filesystem::path& folder);

@@ -93,6 +93,22 @@ Kind velodyne_calibration() {
           "lasers.yaml"};
 }
 
+Kind hesai_calibration() {
+  return {"hesai_calibration",
+          [](const fs::path& folder) {
+            write_hesai_calibration(folder / "lasers.csv");
+            write_bag_of_driver(folder / "a.bag", "hesai");
+          },
+          [](const fs::path& folder) {
+            preprocessing::PreprocessingConfig config;
+            config.hesai_calibration = folder / "lasers.csv";
+            recordings::BagInput input({folder / "a.bag"}, {}, "base_link", config);
+            read_all(input);
+          },
+          {},
+          "lasers.csv"};
+}
+
 Kind ros2() {
   return {"ros2", [](const fs::path& folder) { write_ros2_recording(folder / "a.db3"); },
           [](const fs::path& folder) { read_bag(folder / "a.db3"); }};
@@ -310,10 +326,13 @@ std::vector<Kind> kinds() {
            [](const fs::path& folder) { read_bag(folder / "a.bag"); }},
           bag_of("livox"),
           bag_of("velodyne"),
+          bag_of("hesai"),
+          bag_of("pandar"),
           bag_of("ouster"),
           bag_of("point_cloud1"),
           bag_of("split_times"),
           velodyne_calibration(),
+          hesai_calibration(),
           ros2(),
           mcap(""),
           mcap("lz4"),

@@ -36,6 +36,7 @@ set(reader_sources
   ${readers_root}/src/ros/clouds/cloud_fields.cpp
   ${readers_root}/src/ros/clouds/cloud_reader.cpp
   ${readers_root}/src/ros/bags/file_bytes.cpp
+  ${readers_root}/src/ros/clouds/hesai_scan.cpp
   ${readers_root}/src/ros/clouds/livox_cloud.cpp
   ${readers_root}/src/ros/bags/mcap_content.cpp
   ${readers_root}/src/ros/bags/mcap_file.cpp

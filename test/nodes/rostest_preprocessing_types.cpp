@@ -10,6 +10,7 @@
 
 #include "driver_messages.hpp"
 #include "figures.hpp"
+#include "hesai_messages.hpp"
 #include "preprocessing_fixture.hpp"
 #include "velodyne_encoder.hpp"
 
@@ -88,6 +89,35 @@ TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAVelodyne) {
   ASSERT_TRUE(node.synced().wait_for(3));
   const PointCloud cloud = ros_border::from_message(node.synced().messages[1]);
   ASSERT_EQ(cloud.size(), 75U * 12U * 32U);
+  EXPECT_NEAR(cloud.points[7000].position().norm(), 5.0, 1e-4);
+  ASSERT_TRUE(cloud.has_times());
+  EXPECT_NEAR(cloud.times.back() - cloud.times.front(), 0.1, 2e-3);
+}
+
+/// A turn of a PandarXT-16 that sees 5 m everywhere, without a stamp, as hesai_lidar sends it.
+PandarScanMessage<PandarDriver::kHesaiLidar> hesai_turn(int step) {
+  PandarScanMessage<PandarDriver::kHesaiLidar> message;
+  message.header.frame_id = "lidar";
+  for (std::size_t p = 0; p < 250; ++p) {
+    std::vector<HesaiBlock> blocks;
+    for (std::size_t b = 0; b < 8; ++b) {
+      blocks.push_back({static_cast<std::uint16_t>(18 * (8 * p + b)), [](std::size_t) {
+                          return HesaiReturn{1250, 9};
+                        }});
+    }
+    const auto microseconds = static_cast<std::uint32_t>(400 * p);
+    message.packets.emplace_back(to_ros(stamp_of(step)) + ros::Duration(1e-6 * microseconds),
+                                 HesaiPacketWriter(kPandarXt16).write(blocks, microseconds));
+  }
+  return message;
+}
+
+TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAHesai) {
+  NodeWithDriver<PandarScanMessage<PandarDriver::kHesaiLidar>> node;
+  for (int step = 0; step < 3; ++step) node.send(hesai_turn(step));
+  ASSERT_TRUE(node.synced().wait_for(3));
+  const PointCloud cloud = ros_border::from_message(node.synced().messages[1]);
+  ASSERT_EQ(cloud.size(), 250U * 8U * 16U);
   EXPECT_NEAR(cloud.points[7000].position().norm(), 5.0, 1e-4);
   ASSERT_TRUE(cloud.has_times());
   EXPECT_NEAR(cloud.times.back() - cloud.times.front(), 0.1, 2e-3);

@@ -83,6 +83,8 @@ TEST(CdrMessage, KnowsTheTypesByTheirNames) {
   EXPECT_EQ(name_in_ros1("odd"), "odd");
   EXPECT_EQ(ros2_type("livox_interfaces/msg/CustomMsg")->ros1_name, "livox_ros_driver2/CustomMsg");
   EXPECT_EQ(ros2_type("velodyne_msgs/msg/VelodyneScan")->ros1_name, "velodyne_msgs/VelodyneScan");
+  EXPECT_EQ(ros2_type("pandar_msgs/msg/PandarScan")->md5sum, "96facf9d6e028e0cacbe7058fbabc851");
+  EXPECT_EQ(ros2_type("hesai_lidar/msg/PandarScan"), nullptr);  // it has no header
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -7,6 +9,7 @@
 #include "lidar_mapping/ros/wire_message.hpp"
 
 #include "cloud_forms.hpp"
+#include "hesai_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {
@@ -37,8 +40,9 @@ std::vector<std::uint8_t> serialized(const Message& message) {
 template <typename Message>
 RecordedCloud cloud_in(const std::vector<std::uint8_t>& bytes) {
   const std::string type = ros::message_traits::DataType<Message>::value();
-  EXPECT_TRUE(is_cloud(type, ros::message_traits::MD5Sum<Message>::value())) << type;
-  return read_cloud(type, {bytes.data(), bytes.size()}, nullptr);
+  const std::string md5sum = ros::message_traits::MD5Sum<Message>::value();
+  EXPECT_TRUE(is_cloud(type, md5sum)) << type;
+  return read_cloud(type, md5sum, {bytes.data(), bytes.size()}, nullptr);
 }
 
 template <typename Message>
@@ -79,12 +83,83 @@ TEST(RecordedCloud, ReadsEachType) {
   expect_example(test::as_point_cloud1(example()));
 }
 
+using test::PandarDriver;
+
+/// Three packets, the last of them the calibration, and a header without stamp and frame.
+template <PandarDriver driver>
+test::PandarScanMessage<driver> hesai_scan() {
+  test::PandarScanMessage<driver> scan;
+  for (std::size_t p = 0; p < 2; ++p) {
+    std::vector<test::HesaiBlock> blocks;
+    for (std::size_t b = 0; b < 8; ++b) {
+      blocks.push_back({static_cast<std::uint16_t>(18 * (8 * p + b)), [](std::size_t) {
+                          return test::HesaiReturn{1250, 77};
+                        }});
+    }
+    const auto passed = static_cast<std::uint32_t>(400 * p);
+    scan.packets.emplace_back(
+        ros::Time(1700000000, 250000000 + 1000 * passed),
+        test::HesaiPacketWriter(test::kPandarXt16).write(blocks, 250'000 + passed));
+  }
+  std::string calibration = "Channel,Elevation,Azimuth\n";
+  for (int i = 1; i <= 16; ++i) calibration += std::to_string(i) + ",-30,90\n";
+  scan.packets.emplace_back(ros::Time(), test::hesai_calibration_packet(calibration));
+  return scan;
+}
+
+template <PandarDriver driver>
+void expect_hesai_scan() {
+  const auto bytes = serialized(hesai_scan<driver>());
+  const RecordedCloud cloud = cloud_in<test::PandarScanMessage<driver>>(bytes);
+  EXPECT_TRUE(cloud.holds_packets());
+  const DecodedCloud decoded = CloudReader({}).read(cloud);
+  EXPECT_EQ(decoded.scan.stamp, 1700000000250000000);
+  EXPECT_EQ(decoded.scan.frame_id, "PandarXT-16");
+  EXPECT_EQ(decoded.format.contents, "2 packets of a Hesai PandarXT-16");
+  EXPECT_EQ(decoded.format.damaged_packets, 0U);
+  ASSERT_EQ(decoded.scan.cloud.size(), 256U);
+  // The calibration has the azimuth at x and the elevation at 30 degrees down.
+  EXPECT_NEAR(decoded.scan.cloud.points[0].x, 5.0 * std::sqrt(0.75), 1e-3);
+  EXPECT_NEAR(decoded.scan.cloud.points[0].z, -2.5, 1e-5);
+  EXPECT_NEAR(decoded.scan.cloud.times[128], 1e-6 * (400.0 + 5.632 - 350.0 + 0.368), 1e-8);
+}
+
+TEST(RecordedCloud, ReadsPacketsOfAHesaiAndCompletesTheirHeader) {
+  expect_hesai_scan<PandarDriver::kHesaiLidar>();
+  expect_hesai_scan<PandarDriver::kPandarMsgs>();
+}
+
+TEST(RecordedCloud, LeavesTheHeaderOfAHesaiThatIsThere) {
+  auto scan = hesai_scan<PandarDriver::kPandarMsgs>();
+  scan.header.stamp = ros::Time(1700000000, 251000000);
+  scan.header.frame_id = "/pandar";
+  const auto bytes = serialized(scan);
+  const DecodedCloud decoded =
+      CloudReader({}).read(cloud_in<test::PandarScanMessage<PandarDriver::kPandarMsgs>>(bytes));
+  EXPECT_EQ(decoded.scan.stamp, 1700000000251000000);
+  EXPECT_EQ(decoded.scan.frame_id, "pandar");
+  EXPECT_NEAR(decoded.scan.cloud.times[128], 1e-6 * (400.0 + 5.632 - 350.0 + 0.368 - 1000.0), 1e-8);
+}
+
+/// A size beyond its place is that of no packet.
+TEST(RecordedCloud, KeepsToThePlaceOfAPacketOfAHesai) {
+  auto scan = hesai_scan<PandarDriver::kPandarMsgs>();
+  scan.packets[1].size = 4'000'000'000;
+  const auto bytes = serialized(scan);
+  const DecodedCloud decoded =
+      CloudReader({}).read(cloud_in<test::PandarScanMessage<PandarDriver::kPandarMsgs>>(bytes));
+  EXPECT_EQ(decoded.format.damaged_packets, 1U);
+  EXPECT_EQ(decoded.scan.cloud.size(), 128U);
+}
+
 TEST(RecordedCloud, NoticesCutMessages) {
   expect_cuts_noticed(test::as_livox<LivoxDriver::kOne>(example()));
   expect_cuts_noticed(test::as_point_cloud1(example()));
   test::VelodyneScanMessage scan;
   scan.packets.resize(3);
   expect_cuts_noticed(scan);
+  expect_cuts_noticed(hesai_scan<PandarDriver::kHesaiLidar>());
+  expect_cuts_noticed(hesai_scan<PandarDriver::kPandarMsgs>());
 }
 
 /// A count of four thousand million is no reason to ask for that much memory.
@@ -106,18 +181,25 @@ TEST(RecordedCloud, LeavesOutChannelsWithoutAValueForEachPoint) {
 }
 
 TEST(RecordedCloud, ReadsNoOtherType) {
-  EXPECT_THROW(read_cloud("sensor_msgs/LaserScan", {}, nullptr), InputError);
+  EXPECT_THROW(read_cloud("sensor_msgs/LaserScan", "", {}, nullptr), InputError);
+  EXPECT_THROW(read_cloud("pandar_msgs/PandarScan", "0", {}, nullptr), InputError);
   EXPECT_FALSE(is_cloud("sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369"));
   EXPECT_FALSE(is_cloud("velodyne_msgs/VelodyneScan", "0"));
   EXPECT_EQ(foreign_definition("velodyne_msgs/VelodyneScan", "0"),
             "velodyne_msgs/VelodyneScan of another definition (MD5 sum 0, read is "
             "50804fc9533a0e579e6322c04ae70566)");
+  EXPECT_EQ(foreign_definition("hesai_lidar/PandarScan", ""),
+            "hesai_lidar/PandarScan of another definition (that of ROS 2, read is "
+            "70c3ed4f4ae9144323298b04cc2c760b or 96facf9d6e028e0cacbe7058fbabc851)");
   EXPECT_EQ(foreign_definition("sensor_msgs/LaserScan", "0"), "");
 }
 
 TEST(CloudReader, NeedsACalibrationThatIsThere) {
   preprocessing::PreprocessingConfig config;
   config.velodyne_calibration = "/no/such/file.yaml";
+  EXPECT_THROW(CloudReader{config}, FileError);
+  config.velodyne_calibration = "";
+  config.hesai_calibration = "/no/such/file.csv";
   EXPECT_THROW(CloudReader{config}, FileError);
 }
 

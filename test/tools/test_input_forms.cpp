@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The same drive in the forms of other drivers: the poses have to be those of the plain clouds.
+#include <fstream>
+
 #include <topic_tools/shape_shifter.h>
 
+#include "hesai_messages.hpp"
 #include "input_forms.hpp"
 
 namespace lidar_mapping::tools {
@@ -44,6 +47,78 @@ TEST_F(InputForms, VelodynePackets) {
   EXPECT_NE(said.first.find("times in `packets` (us, absolute) from -0.0987 to 0.00"),
             std::string::npos)
       << said.first;
+}
+
+using test::PandarDriver;
+
+test::HesaiTurn hesai_turn_of(const PointCloud2& cloud) {
+  return test::HesaiTurnWriter(cloud).write();
+}
+
+/// As the drive's packets, spoilt before they are written.
+template <PandarDriver driver, typename Spoil>
+WriteCloud hesai_packets_with(const Spoil& spoil) {
+  return with([spoil](const PointCloud2& cloud) {
+    auto message = hesai_turn_of(cloud).message<driver>();
+    spoil(message);
+    return message;
+  });
+}
+
+TEST_F(InputForms, HesaiPacketsOfBothDrivers) {
+  const auto as_they_are = [](auto&) {};
+  const std::string packets =
+      written("hesai_lidar", hesai_packets_with<PandarDriver::kHesaiLidar>(as_they_are));
+  const Trajectory plain = mapped(
+      written("clouds", with([](const PointCloud2& cloud) { return hesai_turn_of(cloud).cloud; })));
+  expect_equal_poses(mapped(packets), plain);
+  expect_equal_poses(
+      mapped(written("pandar_msgs", hesai_packets_with<PandarDriver::kPandarMsgs>(as_they_are))),
+      plain);
+  const auto said = checked(packets);
+  expect_said(said, "225 packets of a Hesai PandarXT-16", 0);
+  EXPECT_NE(said.first.find("times in `packets` (us, absolute) from -0.0003 to 0.0996"),
+            std::string::npos)
+      << said.first;
+}
+
+TEST_F(InputForms, SpoiltHesaiPacketsAreNamed) {
+  constexpr PandarDriver kDriver = PandarDriver::kHesaiLidar;
+  const auto said = [&](const std::string& name, const auto& spoil) {
+    return checked(written(name, hesai_packets_with<kDriver>(spoil)));
+  };
+  expect_said(said("none", [](auto& m) { m.packets.clear(); }),
+              "clouds cannot be read, first a scan of a Hesai holds no packets", 1);
+  expect_said(said("some", [](auto& m) { m.packets[3].data[0] = 0; }),
+              "packets of the sensor are damaged", 1);
+  expect_said(said("other",
+                   [](auto& m) {
+                     for (auto& packet : m.packets) packet.data.resize(820);
+                   }),
+              "packets of 820 bytes (protocol 6.1, 16 lasers) are not read", 1);
+  expect_said(said("calibration",
+                   [](auto& m) {
+                     m.packets.emplace_back(ros::Time(),
+                                            test::hesai_calibration_packet("1,two,3\n"));
+                   }),
+              "the calibration in a scan of a Hesai, line 1: 'two' is no finite number", 1);
+}
+
+TEST_F(InputForms, ACalibrationOfAHesaiGoesOverTheNominalAngles) {
+  const std::string packets =
+      written("packets", hesai_packets_with<PandarDriver::kPandarMsgs>([](auto&) {}));
+  const std::string file = folder_.path() / "lasers.csv";
+  std::ofstream(file) << "Channel,Elevation,Azimuth\n1,15,zero\n";
+  const std::string parameter = "preprocessing/hesai_calibration: " + file;
+  test::Program map("map_bag", {packets, "-o", folder_.path() / "none", "--parameter", parameter},
+                    folder_.path() / "log");
+  EXPECT_NE(map.wait(), 0);
+  EXPECT_NE(map.output().find(file + ", line 2: 'zero' is no finite number"), std::string::npos)
+      << map.output();
+  std::ofstream nominal(file);
+  for (int i = 0; i < 16; ++i) nominal << i + 1 << ',' << 15 - 2 * i << ",0\n";
+  nominal.close();
+  expect_equal_poses(mapped(packets, {"--parameter", parameter}), mapped(packets));
 }
 
 /// Where both are recorded, the clouds of a driver without times give way to the packets.

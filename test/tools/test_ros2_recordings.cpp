@@ -3,6 +3,7 @@
 #include <fstream>
 #include <map>
 
+#include "hesai_messages.hpp"
 #include "input_forms.hpp"
 #include "mcap_writer.hpp"
 #include "ros2_writer.hpp"
@@ -83,6 +84,35 @@ TEST_F(Ros2Recordings, LivoxCustomMsg) {
   expect_equal_poses(mapped(file), mapped(plain_bag()));
 }
 
+/// pandar_msgs as ROS 2 stores it.
+using PandarScan = test::PandarScanMessage<test::PandarDriver::kPandarMsgs>;
+std::vector<std::uint8_t> cdr_of(const PandarScan& scan) {
+  test::CdrWriter out;
+  out.header(scan.header);
+  out.number(static_cast<std::uint32_t>(scan.packets.size()));
+  for (const auto& packet : scan.packets) {
+    out.stamp(packet.stamp);
+    out.array(packet.data);
+    out.number(packet.size);
+  }
+  return out.bytes();
+}
+
+TEST_F(Ros2Recordings, PacketsOfAHesai) {
+  const auto turn_of = [](const PointCloud2& cloud) {
+    return test::HesaiTurnWriter(cloud).write();
+  };
+  const auto packets = [&](Ros2Writer& out, const ros::Time& recorded, const PointCloud2& cloud) {
+    out.add_bytes(kTopic, "pandar_msgs/msg/PandarScan", recorded,
+                  cdr_of(turn_of(cloud).message<test::PandarDriver::kPandarMsgs>()));
+  };
+  const auto clouds = [&](Ros2Writer& out, const ros::Time& recorded, const PointCloud2& cloud) {
+    out.add(kTopic, recorded, turn_of(cloud).cloud);
+  };
+  const std::string file = recorded(folder_.path() / "packets.db3", packets);
+  expect_equal_poses(mapped(file), mapped(recorded(folder_.path() / "clouds.db3", clouds)));
+}
+
 TEST_F(Ros2Recordings, McapFilesGiveThePosesOfTheBag) {
   const Trajectory plain = mapped(plain_bag());
   for (const char* compression : {"", "lz4", "zstd"}) {
@@ -132,8 +162,7 @@ TEST_F(Ros2Recordings, WhatCannotBeReadIsNamed) {
 TEST_F(Ros2Recordings, RawDataOfOtherDriversIsNamedWithItsRemedy) {
   const std::map<std::string, std::string> remedies = {
       {"ouster_ros/PacketMsg", "record the driver's topic metadata beside them"},
-      {"hesai_lidar/PandarScan", "hesai_lidar's cloud node"},
-      {"pandar_msgs/PandarScan", "pandar_pointcloud's cloud node"},
+      {"hesai_ros_driver/UdpFrame", "hesai_ros_driver (source_type 3)"},
       {"rslidar_msgs/rslidarScan", "rslidar_sdk (msg_source 2)"}};
   for (const auto& [type, remedy] : remedies) {
     const std::string file = folder_.path() / (type.substr(0, type.find('/')) + ".mcap");
@@ -144,6 +173,19 @@ TEST_F(Ros2Recordings, RawDataOfOtherDriversIsNamedWithItsRemedy) {
     expect_said(said, "/packets holds " + type + ", not a cloud", 1);
     EXPECT_NE(said.first.find(remedy), std::string::npos) << said.first;
   }
+}
+
+/// hesai_lidar has no header in its messages of ROS 2.
+TEST_F(Ros2Recordings, ATypeWithOtherFieldsThanInRos1IsNamed) {
+  const std::string file = folder_.path() / "hesai.mcap";
+  McapWriter(file, {}).add_bytes("/packets", "hesai_lidar/msg/PandarScan", ros::Time(100),
+                                 {0, 1, 0, 0});
+  const auto said = checked(file);
+  expect_said(said, "/packets holds hesai_lidar/PandarScan of another definition (that of ROS 2",
+              1);
+  EXPECT_NE(said.first.find("publish the sensor's data as sensor_msgs/PointCloud2"),
+            std::string::npos)
+      << said.first;
 }
 
 TEST_F(Ros2Recordings, ACutFileIsNamed) {

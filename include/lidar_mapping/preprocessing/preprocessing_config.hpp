@@ -134,6 +134,10 @@ struct PreprocessingConfig {
   /// Calibration file of velodyne_pointcloud (YAML) for packets of a Velodyne; without it the
   /// nominal angles of the model are used, which an HDL-64E does not have.
   std::string velodyne_calibration;
+  /// Calibration file of Hesai's driver (CSV: channel, elevation, azimuth) for packets of a Hesai;
+  /// without it that which the driver records beside the packets is used, or else the nominal
+  /// angles of the model.
+  std::string hesai_calibration;
   /// [deg] Turns every beam upwards (0.205 for the HDL-64E of KITTI).
   double vertical_angle_correction_deg = 0.0;
   /// Thins the scan: to the mean of each voxel, or (faster) to its first point.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "lidar_mapping/preprocessing/hesai_packets.hpp"
 #include "lidar_mapping/preprocessing/velodyne_packets.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
@@ -11,12 +12,12 @@ namespace lidar_mapping::ros_border {
 /// formats. Any thread may call it.
 class CloudReader {
  public:
-  /// Reads the calibration of the sensor, if the configuration names one. Throws FileError or
-  /// ConfigError if that file cannot be used.
+  /// Reads the calibrations of sensors that the configuration names. Throws FileError or
+  /// ConfigError if such a file cannot be used.
   explicit CloudReader(const preprocessing::PreprocessingConfig& config);
 
-  /// Points and times. Throws InputError as decode() and preprocessing::VelodyneDecoder do. The
-  /// memory of `buffer` is used again.
+  /// Points and times. Throws InputError as decode(), preprocessing::VelodyneDecoder and
+  /// preprocessing::HesaiDecoder do. The memory of `buffer` is used again.
   DecodedCloud read(const RecordedCloud& cloud, PointCloud buffer = {}) const;
   /// The same, but points of the usual layout stay packed, as decode_lazily() leaves them.
   DecodedCloud read_lazily(const RecordedCloud& cloud, PointCloud buffer = {}) const;
@@ -26,6 +27,7 @@ class CloudReader {
 
   preprocessing::PreprocessingConfig config_;
   preprocessing::VelodyneDecoder velodyne_;
+  preprocessing::HesaiDecoder hesai_;
 };
 
 }  // namespace lidar_mapping::ros_border

@@ -45,6 +45,14 @@ const char* const kVelodyneDefinition =
     "time stamp\n"
     "uint8[1206] data\n";
 
+const char* const kPandarDefinition =
+    "Header header\n"
+    "PandarPacket[] packets\n"
+    "MSG: pandar_msgs/PandarPacket\n"
+    "time stamp\n"
+    "uint8[1500] data\n"
+    "uint32 size\n";
+
 using Types = std::map<std::string, Ros2Type>;
 
 std::string name_in_ros2(const std::string& ros1_name) {
@@ -60,12 +68,12 @@ void add(Types& types) {
                                message_layout(traits::Definition<Message>::value())};
 }
 
-/// A driver's type, which is known by cloud_types().
+/// A driver's type, which is known by cloud_types(); of several definitions it is the first one.
 void add(Types& types, const std::string& name, const std::string& definition,
          const std::string& ros2_name) {
   for (const CloudType& type : cloud_types()) {
     if (type.name != name) continue;
-    types[ros2_name] = {name, type.md5sum, message_layout(definition + kHeader)};
+    types.emplace(ros2_name, Ros2Type{name, type.md5sum, message_layout(definition + kHeader)});
   }
 }
 
@@ -87,6 +95,7 @@ Types all_types() {
     add(types, "livox_ros_driver2/CustomMsg", kLivoxDefinition, name);
   }
   add(types, "velodyne_msgs/VelodyneScan", kVelodyneDefinition, "velodyne_msgs/msg/VelodyneScan");
+  add(types, "pandar_msgs/PandarScan", kPandarDefinition, "pandar_msgs/msg/PandarScan");
   // The driver for ROS 2 had three packages for its messages.
   for (const char* package : {"ouster_sensor_msgs", "ouster_msgs", "ouster_ros"}) {
     types[package + std::string("/msg/PacketMsg")] = {kOusterPacket, kOusterPacketSum,

@@ -35,8 +35,7 @@ const std::map<std::string, std::string> kRawScans = {
     {"ouster_ros/PacketMsg",
      "record the driver's topic metadata beside them, or convert them with ouster_ros's "
      "replay.launch"},
-    {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
-    {"pandar_msgs/PandarScan", "convert them with pandar_pointcloud's cloud node"},
+    {"hesai_ros_driver/UdpFrame", "convert them with hesai_ros_driver (source_type 3)"},
     {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
 
 const CheckDiagnostic kNoClouds = {Severity::kFault,

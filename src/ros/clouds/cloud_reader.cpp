@@ -2,35 +2,41 @@
 #include "lidar_mapping/ros/cloud_reader.hpp"
 
 #include <optional>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
+#include "clouds/hesai_scan.hpp"
 #include "clouds/velodyne_scan.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
 
-std::optional<preprocessing::VelodyneCalibration> calibration_of(
-    const preprocessing::PreprocessingConfig& config) {
-  if (config.velodyne_calibration.empty()) return std::nullopt;
-  return preprocessing::read_velodyne_calibration(config.velodyne_calibration);
+/// The calibration in a file that is read by `read`; none if the path is empty.
+template <typename Calibration>
+std::optional<Calibration> calibration_in(const std::string& path,
+                                          Calibration (*read)(const std::string& path)) {
+  if (path.empty()) return std::nullopt;
+  return read(path);
 }
 
 }  // namespace
 
 CloudReader::CloudReader(const preprocessing::PreprocessingConfig& config)
-    : config_(config), velodyne_(calibration_of(config)) {}
+    : config_(config),
+      velodyne_(
+          calibration_in(config.velodyne_calibration, preprocessing::read_velodyne_calibration)),
+      hesai_(calibration_in(config.hesai_calibration, preprocessing::read_hesai_calibration)) {}
 
 DecodedCloud CloudReader::read(const RecordedCloud& cloud, PointCloud buffer) const {
-  if (cloud.holds_packets) return read_packets(cloud, std::move(buffer));
+  if (cloud.holds_packets()) return read_packets(cloud, std::move(buffer));
   return decode(cloud.view(), config_, std::move(buffer));
 }
 
 DecodedCloud CloudReader::read_lazily(const RecordedCloud& cloud, PointCloud buffer) const {
-  if (cloud.holds_packets) return read_packets(cloud, std::move(buffer));
+  if (cloud.holds_packets()) return read_packets(cloud, std::move(buffer));
   return decode_lazily(cloud.view(), cloud.memory, config_, std::move(buffer));
 }
 
@@ -39,8 +45,11 @@ DecodedCloud CloudReader::read_packets(const RecordedCloud& cloud, PointCloud bu
   const std_msgs::Header& header = cloud.message.header;
   result.scan.stamp = from_ros(header.stamp);
   result.scan.frame_id = frame_name(header.frame_id);
+  const Stamp stamp = result.scan.stamp;
   preprocessing::PacketScan scan =
-      velodyne_.decode(velodyne_packets(cloud.data), result.scan.stamp, std::move(buffer));
+      cloud.packets == PacketLayout::kVelodyne
+          ? velodyne_.decode(velodyne_packets(cloud.data), stamp, std::move(buffer))
+          : hesai_.decode(hesai_packets(cloud), stamp, std::move(buffer));
   result.scan.cloud = std::move(scan.cloud);
   result.scan.times_are_absolute = true;
   result.scan.time_span = scan.span;

@@ -6,21 +6,29 @@
 #include <sensor_msgs/PointCloud.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include "lidar_mapping/common/text.hpp"
+
+#include "clouds/hesai_scan.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
 
 std::vector<std::string> names() {
   std::vector<std::string> names;
-  for (const CloudType& type : cloud_types()) names.push_back(type.name);
+  for (const CloudType& type : cloud_types()) {
+    if (!contains(names, type.name)) names.push_back(type.name);
+  }
   return names;
 }
 
-const CloudType* find(const std::string& name) {
-  const std::vector<CloudType>& all = cloud_types();
-  const auto found = std::find_if(all.begin(), all.end(),
-                                  [&](const CloudType& type) { return type.name == name; });
-  return found == all.end() ? nullptr : &*found;
+/// The MD5 sums of the definitions that are read under a name.
+std::vector<std::string> sums_of(const std::string& name) {
+  std::vector<std::string> sums;
+  for (const CloudType& type : cloud_types()) {
+    if (type.name == name) sums.push_back(type.md5sum);
+  }
+  return sums;
 }
 
 }  // namespace
@@ -33,6 +41,10 @@ const std::vector<CloudType>& cloud_types() {
       {"livox_ros_driver/CustomMsg", livox},
       {"livox_ros_driver2/CustomMsg", livox},
       {"velodyne_msgs/VelodyneScan", "50804fc9533a0e579e6322c04ae70566"},
+      {"hesai_lidar/PandarScan", kPandarScanInSizes},
+      {"hesai_lidar/PandarScan", kPandarScanInPlaces},
+      {"pandar_msgs/PandarScan", kPandarScanInPlaces},
+      {"pandar_msgs/PandarScan", kPandarScanInSizes},
       {"sensor_msgs/PointCloud", ros::message_traits::MD5Sum<sensor_msgs::PointCloud>::value()}};
   return all;
 }
@@ -43,14 +55,18 @@ const std::vector<std::string>& cloud_type_names() {
 }
 
 bool is_cloud(const std::string& type, const std::string& md5sum) {
-  const CloudType* known = find(type);
-  return known != nullptr && known->md5sum == md5sum;
+  const std::vector<CloudType>& all = cloud_types();
+  return std::any_of(all.begin(), all.end(), [&](const CloudType& known) {
+    return known.name == type && known.md5sum == md5sum;
+  });
 }
 
 std::string foreign_definition(const std::string& type, const std::string& md5sum) {
-  const CloudType* known = find(type);
-  if (known == nullptr || known->md5sum == md5sum) return "";
-  return type + " of another definition (MD5 sum " + md5sum + ", read is " + known->md5sum + ")";
+  const std::vector<std::string> known = sums_of(type);
+  if (known.empty() || contains(known, md5sum)) return "";
+  // Types of ROS 2 have no sums; those that are read have one of the same fields in ROS 1.
+  const std::string found = md5sum.empty() ? "that of ROS 2" : "MD5 sum " + md5sum;
+  return type + " of another definition (" + found + ", read is " + joined(known, " or ") + ")";
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -7,6 +7,7 @@
 #include "lidar_mapping/ros/cloud_types.hpp"
 
 #include "bags/wire_array.hpp"
+#include "clouds/hesai_scan.hpp"
 #include "clouds/livox_cloud.hpp"
 #include "clouds/point_cloud1.hpp"
 #include "clouds/velodyne_scan.hpp"
@@ -35,20 +36,26 @@ RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
 
 struct Reader {
   const char* type;
+  const char* md5sum;  ///< of the definition, where a type has several; otherwise null
   RecordedCloud (*read)(ros::serialization::IStream stream);
 };
-constexpr Reader kReaders[] = {{"sensor_msgs/PointCloud2", read_point_cloud2},
-                               {"livox_ros_driver/CustomMsg", read_livox_cloud},
-                               {"livox_ros_driver2/CustomMsg", read_livox_cloud},
-                               {"velodyne_msgs/VelodyneScan", read_velodyne_scan},
-                               {"sensor_msgs/PointCloud", read_point_cloud1}};
+constexpr Reader kReaders[] = {
+    {"sensor_msgs/PointCloud2", nullptr, read_point_cloud2},
+    {"livox_ros_driver/CustomMsg", nullptr, read_livox_cloud},
+    {"livox_ros_driver2/CustomMsg", nullptr, read_livox_cloud},
+    {"velodyne_msgs/VelodyneScan", nullptr, read_velodyne_scan},
+    {"hesai_lidar/PandarScan", kPandarScanInSizes, read_pandar_scan_in_sizes},
+    {"hesai_lidar/PandarScan", kPandarScanInPlaces, read_pandar_scan_in_places},
+    {"pandar_msgs/PandarScan", kPandarScanInSizes, read_pandar_scan_in_sizes},
+    {"pandar_msgs/PandarScan", kPandarScanInPlaces, read_pandar_scan_in_places},
+    {"sensor_msgs/PointCloud", nullptr, read_point_cloud1}};
 
 }  // namespace
 
-RecordedCloud read_cloud(const std::string& type, ByteRange data,
+RecordedCloud read_cloud(const std::string& type, const std::string& md5sum, ByteRange data,
                          std::shared_ptr<const void> memory) {
   for (const Reader& reader : kReaders) {
-    if (type != reader.type) continue;
+    if (type != reader.type || (reader.md5sum != nullptr && md5sum != reader.md5sum)) continue;
     // The library takes its input as uint8_t*, but leaves it as it is.
     RecordedCloud cloud =
         reader.read({const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)});
@@ -60,7 +67,8 @@ RecordedCloud read_cloud(const std::string& type, ByteRange data,
 
 std::optional<RecordedCloud> read_cloud(const BagMessage& recorded) {
   if (!is_cloud(recorded.getDataType(), recorded.connection->md5sum)) return std::nullopt;
-  return read_cloud(recorded.getDataType(), recorded.data, recorded.memory);
+  return read_cloud(recorded.getDataType(), recorded.connection->md5sum, recorded.data,
+                    recorded.memory);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -23,7 +23,7 @@ RecordedCloud read_velodyne_scan(ros::serialization::IStream stream) {
   RecordedCloud cloud;
   stream.next(cloud.message.header);
   cloud.data = array_bytes(stream, kPacket);
-  cloud.holds_packets = true;
+  cloud.packets = PacketLayout::kVelodyne;
   return cloud;
 }
 

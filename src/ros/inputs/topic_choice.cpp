@@ -24,7 +24,7 @@ namespace {
 enum class Kind { kUnknown, kReflecting, kScanning, kTimed };
 
 Kind kind_of(const RecordedCloud& recorded) try {
-  if (recorded.holds_packets) return Kind::kTimed;
+  if (recorded.holds_packets()) return Kind::kTimed;
   const CloudView cloud = recorded.view();
   if (time_fields(cloud)) return Kind::kTimed;
   if (find_field(cloud, "ring") != nullptr) return Kind::kScanning;
