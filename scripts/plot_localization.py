@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plot how a drive was localised in a map: its path upon the map's points, and its error along the way.
 
-usage: plot_localization.py MAP.pcd LOCALIZATION.csv TRUTH.tum MAPPING_TRUTH.tum MAPPING.tum PICTURE.png
+usage: plot_localization.py MAP.ply LOCALIZATION.csv TRUTH.tum MAPPING_TRUTH.tum MAPPING.tum PICTURE.png
 MAPPING.tum: poses of the drive that made the map, in the map; MAPPING_TRUTH.tum: its true ones. Both truths are in
 the frame of the simulated world.
 """
@@ -18,24 +18,25 @@ import numpy as np  # noqa: E402
 
 from localization_truth import Trajectory, alignment, error_of  # noqa: E402
 
-MAP, MAPPED, ERROR = '0.75', '0.35', '#c2410c'
+MAP, MAPPED, ERROR = '0.6', '0.35', '#c2410c'
 COLOURS = {'following': '#0b6fb8', 'beside_map': '#d97706', 'lost': '#c2410c', 'searching': '#9aa5b1'}
-HEIGHTS = (1.0, 8.0)  # m above the median of the drive: walls, without the ground and without what hangs over it
+HEIGHTS = (1.0, 8.0)  # m above the drive: walls, without the ground and without what hangs over it
+POSES = 1000  # of the drive, for heights; and points that are compared with them at once
+MARGIN = 30  # m around the drive of another day
 DRAWN = 300_000  # points of the map; more do not change the picture
 
 
 def read_points(path):
-    """x, y, z of an uncompressed binary PCD file with 4-byte fields, as build_map writes it."""
+    """x, y, z of a binary PLY file of float properties, as build_map writes it."""
     with open(path, 'rb') as file:
         data = file.read()
-    end = re.search(rb'^DATA binary\n', data, re.MULTILINE)
-    if not end:
-        sys.exit(f'plot_localization: {path} is not an uncompressed binary PCD file')
-    header = dict(line.split(maxsplit=1) for line in data[:end.start()].decode().splitlines() if ' ' in line)
-    fields = header['FIELDS'].split()
-    kinds = [f"<{'u' if kind == 'U' else kind.lower()}{size}"
-             for kind, size in zip(header['TYPE'].split(), header['SIZE'].split())]
-    points = np.frombuffer(data, np.dtype(list(zip(fields, kinds))), int(header['POINTS']), end.end())
+    end = re.search(rb'^end_header\n', data, re.MULTILINE)
+    header = data[:end.start()].decode('ascii', 'replace') if end else ''
+    count = re.search(r'^element vertex (\d+)$', header, re.MULTILINE)
+    if not count or 'format binary_little_endian' not in header:
+        sys.exit(f'plot_localization: {path} is not a binary PLY file')
+    fields = re.findall(r'^property float (\w+)$', header, re.MULTILINE)
+    points = np.frombuffer(data, np.dtype([(name, '<f4') for name in fields]), int(count[1]), end.end())
     return np.stack([points[name] for name in 'xyz'], axis=1)
 
 
@@ -44,27 +45,37 @@ def read_scans(path):
         return list(csv.DictReader(file))
 
 
+def heights_above(points, mapped):
+    """m, over the nearest pose of the drive that made the map: streets climb."""
+    poses = mapped.positions[::len(mapped.positions) // POSES + 1]
+    heights = np.empty(len(points))
+    for begin in range(0, len(points), POSES):
+        part = points[begin:begin + POSES]
+        distances = ((part[:, None, :2] - poses[None, :, :2]) ** 2).sum(axis=2)
+        heights[begin:begin + POSES] = part[:, 2] - poses[distances.argmin(axis=1), 2]
+    return heights
+
+
 def draw_map(axis, points, mapped):
-    heights = points[:, 2] - np.median(mapped.positions[:, 2])
+    points = points[::len(points) // DRAWN + 1]
+    heights = heights_above(points, mapped)
     walls = points[(heights > HEIGHTS[0]) & (heights < HEIGHTS[1])]
-    walls = walls[::len(walls) // DRAWN + 1]
     axis.plot(walls[:, 0], walls[:, 1], ',', color=MAP, rasterized=True)
     axis.plot(mapped.positions[:, 0], mapped.positions[:, 1], color=MAPPED, linewidth=0.8,
               label='the drive that made the map')
 
 
 def draw_scans(axis, scans):
+    found = [scan for scan in scans if scan['x']]
+    places = np.array([[float(scan['x']), float(scan['y'])] for scan in found]).reshape(-1, 2)
     for state, colour in COLOURS.items():
-        places = np.array([[float(s['x']), float(s['y'])] for s in scans if s['state'] == state and s['x']])
-        if len(places):
-            axis.plot(*places.T, '.', color=colour, markersize=4, label=f'another day: {state.replace("_", " ")}')
-    first = next((scan for scan in scans if scan['x']), None)
-    if first:
-        axis.plot(float(first['x']), float(first['y']), 'o', color='black', markersize=7, label='found here')
-        last = next(scan for scan in reversed(scans) if scan['x'])
-        near = np.array([[float(s['x']), float(s['y'])] for s in (first, last)])
-        axis.set(xlim=(near[:, 0].min() - 60, near[:, 0].max() + 60),
-                 ylim=(near[:, 1].min() - 60, near[:, 1].max() + 60))
+        there = np.array([scan['state'] == state for scan in found], dtype=bool)
+        if there.any():
+            axis.plot(*places[there].T, '.', color=colour, markersize=4, label=f'another day: {state.replace("_", " ")}')
+    if found:
+        axis.plot(*places[0], 'o', color='black', markersize=7, label='found here')
+        low, high = places.min(axis=0) - MARGIN, places.max(axis=0) + MARGIN
+        axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
 def errors_along(scans, truth, align):

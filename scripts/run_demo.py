@@ -221,14 +221,14 @@ def print_localization(figures):
           f"{figures['localization_scans']} scans followed, {1000 * figures['localization_rmse']:.0f} mm RMSE")
 
 
-def cloud_of(saved):
-    """The map as a PCD file."""
-    return next(name for name in saved['files'] if name.endswith('.pcd'))
+def cloud_of(saved, format_):
+    """The map as a file of a format: 'pcd', 'ply'."""
+    return next(name for name in saved['files'] if name.endswith(f'.{format_}'))
 
 
 def points_in(saved):
     """The number of points in a PCD file's header."""
-    with open(cloud_of(saved), 'rb') as file:
+    with open(cloud_of(saved, 'pcd'), 'rb') as file:
         header = file.read(4096).decode('ascii', 'replace')
     return int(re.search(r'^POINTS (\d+)', header, re.MULTILINE).group(1))
 
@@ -259,7 +259,7 @@ def main():
 
     say('Another day: a drive finds itself in the map')
     localized = second_drive.localize(options, session, truth, demo, rosrun)
-    run(ROOT / 'scripts' / 'plot_localization.py', cloud_of(saved), demo / 'another_day' / 'localization.csv',
+    run(ROOT / 'scripts' / 'plot_localization.py', cloud_of(saved, 'ply'), demo / 'another_day' / 'localization.csv',
         demo / 'another_day.tum', truth, session / 'trajectory' / 'optimized.tum', demo / 'localization.png')
 
     scans = scans_in(bag)

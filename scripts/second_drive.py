@@ -13,8 +13,8 @@ START, END = 40, 80  # s of the way back
 
 
 def words_for(options):
-    """Options of simulate_drive: another day, with 16 beams; a part of the way back if all of the way was mapped."""
-    words = ['--drive', options.drive, '--lidar', 'vlp16', '--seed', options.seed, '--pass', 1]
+    """Options of simulate_drive: another day, a part of the way back if all of the way was mapped."""
+    words = ['--drive', options.drive, '--lidar', options.lidar, '--seed', options.seed, '--pass', 1]
     if options.duration:
         return words + ['--duration', options.duration]
     if options.drive in WITH_WAY_BACK:

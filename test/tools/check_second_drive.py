@@ -22,7 +22,7 @@ SHIFT = 100.0  # m, of the simulated world against the map
 
 
 def options(**changes):
-    return argparse.Namespace(**{'drive': 'town', 'seed': 1, 'duration': None, **changes})
+    return argparse.Namespace(**{'drive': 'town', 'lidar': 'hdl64', 'seed': 1, 'duration': None, **changes})
 
 
 def write_poses(path, shift):
@@ -41,9 +41,9 @@ def write_scans(path, error):
     path.write_text('\n'.join(rows) + '\n')
 
 
-def write_map(path, kind='binary', points=((1.0, 1.0, 2.0), (2.0, 3.0, 3.0), (0.0, 0.0, 40.0))):
-    header = (f'VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n'
-              f'WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(points)}\nDATA {kind}\n')
+def write_map(path, kind='binary_little_endian', points=((1.0, 1.0, 2.0), (2.0, 3.0, 3.0), (0.0, 0.0, 40.0))):
+    names = ''.join(f'property float {name}\n' for name in ('x', 'y', 'z', 'intensity'))
+    header = f'ply\nformat {kind} 1.0\nelement vertex {len(points)}\n{names}end_header\n'
     path.write_bytes(header.encode() + b''.join(struct.pack('<4f', *p, 1.0) for p in points))
 
 
@@ -97,21 +97,21 @@ class Picture(Folder):
     def test_is_drawn(self):
         write_poses(self.folder / 'another_day.tum', SHIFT)
         write_scans(self.folder / 'localization.csv', 0.03)
-        write_map(self.folder / 'map.pcd')
+        write_map(self.folder / 'map.ply')
         picture = self.folder / 'localization.png'
-        plot_localization.main(self.folder / 'map.pcd', self.folder / 'localization.csv', self.folder / 'another_day.tum',
+        plot_localization.main(self.folder / 'map.ply', self.folder / 'localization.csv', self.folder / 'another_day.tum',
                                self.folder / 'mapping.tum', self.folder / 'session/trajectory/optimized.tum', picture)
         self.assertEqual(picture.read_bytes()[1:4], b'PNG')
 
     def test_has_the_points_of_the_map(self):
-        write_map(self.folder / 'map.pcd')
-        self.assertEqual(plot_localization.read_points(self.folder / 'map.pcd').tolist(),
+        write_map(self.folder / 'map.ply')
+        self.assertEqual(plot_localization.read_points(self.folder / 'map.ply').tolist(),
                          [[1.0, 1.0, 2.0], [2.0, 3.0, 3.0], [0.0, 0.0, 40.0]])
 
     def test_names_a_map_that_it_cannot_read(self):
-        write_map(self.folder / 'map.pcd', kind='ascii')
-        with self.assertRaisesRegex(SystemExit, 'map.pcd is not an uncompressed binary PCD file'):
-            plot_localization.read_points(self.folder / 'map.pcd')
+        write_map(self.folder / 'map.ply', kind='ascii')
+        with self.assertRaisesRegex(SystemExit, 'map.ply is not a binary PLY file'):
+            plot_localization.read_points(self.folder / 'map.ply')
 
     def test_has_the_error_over_the_distance(self):
         write_poses(self.folder / 'another_day.tum', SHIFT)
