@@ -70,7 +70,7 @@ void add_appearances(const PlacedKeyFrames& map, CloudSource& clouds, int thread
                      PlaceSearch& places) {
   loop_closing::KeyFramePreparation preparation(places.verification());
   for_each_cloud(map.key_frames, clouds, threads, [&](std::size_t, const PointCloudPtr& cloud) {
-    places.append(cloud ? preparation.prepare(*cloud).appearance : std::nullopt);
+    places.append(cloud ? preparation.prepare(*cloud) : loop_closing::PreparedKeyFrame());
   });
 }
 

@@ -47,8 +47,10 @@ PlaceSearch::PlaceSearch(const loop_closing::LoopClosingConfig& verification, Cl
       appearances_(directory),
       verifier_(verification, clouds, key_frames, p_base_lidar) {}
 
-void PlaceSearch::append(const std::optional<Appearance>& appearance) {
-  appearances_.append(appearance);
+void PlaceSearch::append(const loop_closing::PreparedKeyFrame& prepared) {
+  if (prepared.points) verifier_.add_view(appended_, *prepared.points);
+  appearances_.append(prepared.appearance);
+  ++appended_;
 }
 
 /// Where the view from above agrees best at one of the two headings that the descriptors allow. Its

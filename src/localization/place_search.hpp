@@ -24,8 +24,8 @@ class PlaceSearch {
 
   const std::vector<Pose>& places() const { return places_; }
   const loop_closing::LoopClosingConfig& verification() const { return verification_; }
-  /// The appearance of the next place; none without a cloud.
-  void append(const std::optional<loop_closing::Appearance>& appearance);
+  /// The points and the appearance of the next place; none without a cloud.
+  void append(const loop_closing::PreparedKeyFrame& prepared);
 
   /// Poses T_map_base of a scan that looks like these points, best first, none twice.
   std::vector<Pose> candidates(const loop_closing::Points& points) const;
@@ -55,6 +55,7 @@ class PlaceSearch {
   std::vector<Pose> places_;
   loop_closing::AppearanceIndex appearances_;
   loop_closing::PlaceVerifier verifier_;
+  std::size_t appended_ = 0;  ///< places
 };
 
 }  // namespace lidar_mapping::localization

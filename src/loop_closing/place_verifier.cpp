@@ -19,6 +19,10 @@ class PlaceVerifier::Impl {
     for (const KeyFrame& key_frame : key_frames) trajectory_.append(key_frame);
   }
 
+  void add_view(std::size_t place, const Points& points) {
+    submaps_.add_view(trajectory_[place].segment, points);
+  }
+
   void set_query(const PlaceQuery& query) {
     query_.points = query.surroundings;
     query_.above_ground = above_ground(query_.points);
@@ -55,6 +59,9 @@ PlaceVerifier::PlaceVerifier(const LoopClosingConfig& config, CloudSource& cloud
     : impl_(std::make_unique<Impl>(config, clouds, key_frames, p_base_lidar)) {}
 PlaceVerifier::~PlaceVerifier() = default;
 
+void PlaceVerifier::add_view(std::size_t place, const Points& points) {
+  impl_->add_view(place, points);
+}
 void PlaceVerifier::set_query(const PlaceQuery& query) { impl_->set_query(query); }
 std::optional<PlaceMatch> PlaceVerifier::match(std::size_t place, const Pose& T_place_scan_guess) {
   return impl_->match(place, T_place_scan_guess);

@@ -45,7 +45,15 @@ PointsPtr SubmapBuilder::cache(KeyFrameIndex index, const PointsPtr& points) {
 PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& prepared) {
   newest_ = key_frame.cloud ? key_frame.cloud : clouds_.cloud(key_frame.index);
   if (newest_ == nullptr) return nullptr;
-  return cache(key_frame.index, prepared ? prepared : preparation_.thinned(*newest_));
+  const PointsPtr points = prepared ? prepared : preparation_.thinned(*newest_);
+  add_view(key_frame.segment, *points);
+  return cache(key_frame.index, points);
+}
+
+void SubmapBuilder::add_view(std::uint32_t segment, const Points& points) {
+  std::shared_ptr<ElevationRange>& view = views_[segment];
+  if (view == nullptr) view = std::make_shared<ElevationRange>();
+  view->add(points, p_base_lidar_);
 }
 
 /// The newest cloud, thinned like a scan.
@@ -102,6 +110,8 @@ std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory
   submap->image = FreeSpaceImage(*own_points, p_base_lidar_);
   submap->sight = range_of_sight({*own_points, above_ground(*own_points)});
   submap->p_base_lidar = p_base_lidar_;
+  const auto view = views_.find(trajectory[node].segment);
+  if (view != views_.end()) submap->view = view->second;
   return submap_cache_.insert(index, std::move(submap), 1);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -26,8 +28,11 @@ class SubmapBuilder {
   SubmapBuilder(const LoopClosingConfig& config, CloudSource& clouds);
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
 
-  /// Stores the cloud of a new key frame and returns it thinned, in base_link; null if the cloud is
-  /// not available. `prepared` are its points if it was thinned in advance.
+  /// Adds what the LiDAR of a key frame of this segment has seen, in base_link. Without it all
+  /// points of a scan are expected in submaps of the segment.
+  void add_view(std::uint32_t segment, const Points& points);
+  /// Stores the cloud of a new key frame, adds its view, and returns it thinned, in base_link; null
+  /// if the cloud is not available. `prepared` are its points if it was thinned in advance.
   PointsPtr add_newest(const KeyFrame& key_frame, const PointsPtr& prepared = nullptr);
   /// The newest scan together with those of the two previous nodes: the scan of a sensor with few
   /// beams is too sparse alone.
@@ -52,6 +57,7 @@ class SubmapBuilder {
   VoxelMeans voxels_;
   LruCache<PointsPtr> points_cache_;
   LruCache<std::shared_ptr<const Submap>> submap_cache_;
+  std::map<std::uint32_t, std::shared_ptr<ElevationRange>> views_;  ///< by segment
 };
 
 }  // namespace lidar_mapping::loop_closing

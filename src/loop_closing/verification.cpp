@@ -20,6 +20,10 @@ constexpr float kPairDistance = 0.3F;
 // m, for pairs that are side by side on one plane: twice kPairDistance; chosen
 constexpr float kPairSearch = 0.6F;
 
+bool is_in_view(const Eigen::Vector3f& p, const Submap& submap) {
+  return submap.view == nullptr || submap.view->contains(p, submap.p_base_lidar);
+}
+
 double smaller_eigenvalue(const Eigen::Matrix2d& scatter, int count) {
   if (count == 0) return 0.0;
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter / count).eigenvalues()[0];
@@ -32,7 +36,8 @@ class PairStatistics {
       : submap_(submap), fitness_range_(fitness_range) {}
 
   /// Adds one point: `p` is a point of the query in the submap's frame, `pair` the nearest point
-  /// there, if one is near. `tested` is true if the point is above ground and not too far away.
+  /// there, if one is near. `tested` is true if the point is above ground, not too far away, and
+  /// where the LiDAR of the submap can see.
   void add(const Eigen::Vector3f& p, const std::optional<KdTree::Neighbour>& pair, bool tested) {
     if (tested) ++tested_;
     if (!pair) return;
@@ -81,7 +86,8 @@ void measure_pairs(const QueryScan& query, const Submap& submap,
   PairStatistics statistics(submap, fitness_range);
   for (std::size_t i = 0; i < query.points.size(); ++i) {
     const Eigen::Vector3f p = T_submap_query * query.points[i];
-    const bool tested = query.above_ground[i] && query.points[i].norm() <= kTestRange;
+    const bool tested =
+        query.above_ground[i] && query.points[i].norm() <= kTestRange && is_in_view(p, submap);
     statistics.add(p, submap.surface.tree().nearest(p, range), tested);
   }
   statistics.report(figures);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "lidar_mapping/common/free_space_image.hpp"
 
+#include "elevation_range.hpp"
 #include "point_to_plane.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -25,12 +27,15 @@ struct Submap {
   double sight = 0.0;              ///< range_of_sight() of the middle key frame alone, m
   /// Position of the LiDAR in base_link, m.
   Eigen::Vector3f p_base_lidar = Eigen::Vector3f::Zero();
+  /// What that LiDAR can see, by all scans of the segment so far; null if that is not known.
+  std::shared_ptr<const ElevationRange> view;
 };
 
 /// Figures of a match of a key frame with a submap (doc/loop_closing.md).
 struct MatchFigures {
-  int tested_points = 0;  ///< number of points above ground within 40 m
-  double overlap = 0.0;   ///< fraction of these with a submap point within 0.3 m
+  /// Number of points above ground within 40 m, where the LiDAR of the submap can see.
+  int tested_points = 0;
+  double overlap = 0.0;  ///< fraction of these with a submap point within 0.3 m
   /// Fraction of the points above ground that stand in free space of the other scan; the larger one
   /// of both directions.
   double free_space_violation = 0.0;

@@ -79,6 +79,17 @@ TEST(Localizer, FindsItselfInTheOppositeDirectionOnTheOtherLane) {
   expect_right(results, path);
 }
 
+// Of a wall its scans see what is too high for the LiDAR that made the map.
+TEST(Localizer, FindsItselfInTheMapOfALidarThatSeesDownwards) {
+  const ToyWorld seen = seen_downwards(town());
+  ToyMap map(seen, along({{-90.0, 0.0}, {48.0, 0.0}}));
+  Vehicle vehicle(town(), map.index());
+  const auto path = line({-50.0, -1.0}, {0.0, -1.0});
+  const auto results = vehicle.drive(path);
+  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
+  expect_right(results, path);
+}
+
 TEST(Localizer, FindsItselfAtRestInAnyHeading) {
   for (const double heading : {0.7, 2.4, -1.1}) {
     Vehicle vehicle(town(), town_map());

@@ -17,6 +17,7 @@ using loop_closing::test::along;
 using loop_closing::test::DriveClouds;
 using loop_closing::test::make_town;
 using loop_closing::test::planar;
+using loop_closing::test::seen_downwards;
 using loop_closing::test::ToyWorld;
 
 /// What a perfect mapping makes of key frames at these poses.

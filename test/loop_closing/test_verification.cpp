@@ -84,6 +84,24 @@ TEST(Overlap, CountsTestedPointsWithAPartnerWithinThirtyCentimetres) {
   EXPECT_DOUBLE_EQ(figures.overlap, 4.0 / 6.0);
 }
 
+// The wall is 10 m away and 1 to 3 m high. The LiDAR at the origin has seen up to a slope of 0.2.
+TEST(Overlap, IsTakenWhereTheLidarOfTheSubmapCanSee) {
+  Points low;
+  for (const Vector& p : wall(kAhead, kY, 5)) {
+    if (p.z() < 2.2F) low.push_back(p);
+  }
+  Submap submap = submap_of(low);
+  const QueryScan query = query_of(wall(kAhead, kY, 5));
+  EXPECT_EQ(figures_of(query, submap).tested_points, 45);
+  // Five of nine rows are there, and one more has partners 0.25 m below.
+  EXPECT_DOUBLE_EQ(figures_of(query, submap).overlap, 30.0 / 45.0);
+  auto view = std::make_shared<ElevationRange>();
+  view->add(low, submap.p_base_lidar);
+  submap.view = view;
+  EXPECT_EQ(figures_of(query, submap).tested_points, 25);
+  EXPECT_DOUBLE_EQ(figures_of(query, submap).overlap, 1.0);
+}
+
 TEST(Overlap, DoesNotCountTheGroundAndPointsBeyondFortyMetres) {
   const Submap submap = submap_of(wall(kAhead, kY, 20));
   Points points = on_wall(kAhead, kY, 5, 4);

@@ -22,7 +22,9 @@ class ToyWorld {
  public:
   std::vector<Box> boxes;
   std::vector<double> floors = {0.0};  ///< heights, m
-  int beams = 16;                      ///< elevations from -15 to +15 degrees
+  int beams = 16;
+  double lowest = -15.0;  ///< elevation of a beam, degrees
+  double highest = 15.0;
   double range = 60.0;
 
   static Eigen::Vector3d sensor() { return {0.0, 0.0, 1.8}; }
@@ -35,7 +37,7 @@ class ToyWorld {
     const std::vector<Box> near = boxes_near(origin);
     PointCloud cloud;
     for (int beam = 0; beam < beams; ++beam) {
-      const double elevation = (-15.0 + 30.0 * beam / (beams - 1)) * kPi / 180.0;
+      const double elevation = (lowest + (highest - lowest) * beam / (beams - 1)) * kPi / 180.0;
       for (int step = 0; step < kSteps; ++step) {
         const double azimuth = 2.0 * kPi * step / kSteps;
         const Eigen::Vector3d ray(std::cos(azimuth) * std::cos(elevation),
@@ -78,6 +80,14 @@ class ToyWorld {
     return nearest;
   }
 };
+
+/// The same world for a LiDAR that sees the ground and what is low, as many sensors of vehicles do.
+inline ToyWorld seen_downwards(ToyWorld world) {
+  world.beams = 32;
+  world.lowest = -25.0;
+  world.highest = 2.0;
+  return world;
+}
 
 /// Streets along x and y every `block` metres, with houses of different sizes between them.
 inline ToyWorld make_town(double extent, double block, std::uint32_t seed) {

@@ -81,6 +81,22 @@ TEST(SessionMerger, MergesTwoDrivesThroughOneTown) {
   EXPECT_GT(std::filesystem::file_size(folder.path() / "merged/trajectory/optimized.tum"), 100U);
 }
 
+// Of the walls the second LiDAR sees what is too high for the first one.
+TEST(SessionMerger, JoinsTheDrivesOfLidarsThatSeeOtherElevations) {
+  const TwoDrives drives;
+  const TemporaryFolder folder;
+  const Session first =
+      record_drive(folder.path() / "a", seen_downwards(drives.world), drives.first, drives.first);
+  const Session second =
+      record_drive(folder.path() / "b", drives.world, drives.second, drives.second);
+  SessionMerger merger = merger_into(folder);
+  merger.add(first);
+  merger.add(second);
+  merger.finish();
+  EXPECT_TRUE(merger.parts()[1].is_connected);
+  EXPECT_GT(merger.parts()[1].new_loops, 5U);
+}
+
 TEST(SessionMerger, ReportsUnconnectedDrives) {
   const TemporaryFolder folder;
   const ToyWorld here = make_town(60.0, 60.0, 4);

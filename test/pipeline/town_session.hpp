@@ -10,6 +10,7 @@ namespace lidar_mapping::pipeline::test {
 using loop_closing::test::along;
 using loop_closing::test::drifting;
 using loop_closing::test::make_town;
+using loop_closing::test::seen_downwards;
 using loop_closing::test::ToyWorld;
 
 constexpr Stamp kStart = 1'700'000'000'000'000'000;

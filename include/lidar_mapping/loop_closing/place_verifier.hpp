@@ -38,6 +38,10 @@ class PlaceVerifier {
                 const std::vector<KeyFrame>& key_frames, const Eigen::Vector3d& p_base_lidar);
   ~PlaceVerifier();
 
+  /// Adds what the LiDAR saw at the key frame at this position in `key_frames`; points in its
+  /// base_link, m. When all are added, a scan of another LiDAR is compared only where that of the
+  /// map can see.
+  void add_view(std::size_t place, const Points& points);
   /// The scan that the following calls of match() are about.
   void set_query(const PlaceQuery& query);
   /// Matches that scan with the key frame at this position in `key_frames`, from a starting pose
