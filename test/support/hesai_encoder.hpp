@@ -81,7 +81,7 @@ class HesaiPacketWriter {
   }
   void put_tail(std::uint32_t microseconds) {
     const std::vector<std::uint8_t> date = {24, 5, 17, 10, 30, 59};
-    put(0, sensor_.protocol > 0 ? 10 : 8);
+    put_all(std::vector<std::uint8_t>(sensor_.protocol > 0 ? 10 : 8, 0));  // reserved
     if (is_xt()) {
       put(0x39, 1);  // return mode
       put(600, 2);   // turns a minute
