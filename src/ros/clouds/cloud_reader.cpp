@@ -46,10 +46,12 @@ DecodedCloud CloudReader::read_packets(const RecordedCloud& cloud, PointCloud bu
   result.scan.stamp = from_ros(header.stamp);
   result.scan.frame_id = frame_name(header.frame_id);
   const Stamp stamp = result.scan.stamp;
-  preprocessing::PacketScan scan =
-      cloud.packets == PacketLayout::kVelodyne
-          ? velodyne_.decode(velodyne_packets(cloud.data), stamp, std::move(buffer))
-          : hesai_.decode(hesai_packets(cloud), stamp, std::move(buffer));
+  preprocessing::PacketScan scan;
+  if (cloud.packets == PacketLayout::kVelodyne) {
+    scan = velodyne_.decode(velodyne_packets(cloud.data), stamp, std::move(buffer));
+  } else {
+    scan = hesai_.decode(hesai_packets(cloud), stamp, std::move(buffer));
+  }
   result.scan.cloud = std::move(scan.cloud);
   result.scan.times_are_absolute = true;
   result.scan.time_span = scan.span;
