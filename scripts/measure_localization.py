@@ -67,15 +67,16 @@ def program(name, *words, statuses=(0,)):
 class World:
     """The map of a world, and drives through it."""
 
-    def __init__(self, name, seed, folder):
+    def __init__(self, name, given):
         self.name = name
         self.drive, self.seconds = WORLDS[name]
+        seed, lidar = given.world_seed, given.mapping_lidar
         self.seed = seed or SEEDS.get(name, 1)
-        self.folder = folder / (f'{name}_{seed}' if seed else name)
+        self.folder = given.folder / '_'.join([name] + [str(seed)] * bool(seed) + [lidar] * (lidar != MAPPING_LIDAR))
         self.folder.mkdir(parents=True, exist_ok=True)
         self.session = self.folder / 'map'
         if not (self.session / 'doubt.csv').exists():
-            bag = self.simulated('mapping', ('--lidar', MAPPING_LIDAR, '--duration', self.seconds))
+            bag = self.simulated('mapping', ('--lidar', lidar, '--duration', self.seconds))
             program('map_bag', bag, '-o', self.session, '--no-map', '--allow-doubt')
             bag.unlink()
         self.truth = Trajectory.read(self.folder / 'mapping.tum')
@@ -226,7 +227,7 @@ def report(head, rows, given):
 def measure_starts(given):
     rows = []
     for name in given.worlds or [name for name in WORLDS if name != 'city']:
-        world = World(name, given.world_seed, given.folder)
+        world = World(name, given)
         for drive in DRIVES:
             row = Row(name, drive.name)
             for start in world.starts(given.starts, given.seconds):
@@ -242,7 +243,7 @@ def measure_interruptions(given):
     cases = list(interrupted.CASES) if given.cases == ['all'] else given.cases
     rows = []
     for name in given.worlds or ('town', 'city'):
-        world = World(name, given.world_seed, given.folder)
+        world = World(name, given)
         for case in cases:
             for lidar in given.lidars:
                 outcomes = []
@@ -261,6 +262,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('folder', type=pathlib.Path)
     parser.add_argument('--worlds', nargs='+', choices=list(WORLDS))
+    parser.add_argument('--mapping-lidar', default=MAPPING_LIDAR, help='that makes the maps')
     parser.add_argument('--world-seed', type=int, help='of all worlds; their own ones if left out')
     parser.add_argument('--starts', type=int, default=6, help='of each drive, evenly over its length')
     parser.add_argument('--seconds', type=float, default=15.0, help='that are localised from each start')
