@@ -124,7 +124,7 @@ std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
 void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result) {
   const Loop loop = to_loop(verified, trajectory(), config_);
   result.verdicts.push_back(to_verdict(verified, trajectory()));
-  if (verified.candidate.prior.anchored || gnss_is_more_certain(verified.candidate.prior)) {
+  if (!is_unanchored(verified)) {
     result.loops.push_back(loop);
     return;
   }
@@ -147,6 +147,7 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
   add(key_frame, prepared);
   if (!is_due()) return {};
   std::vector<VerifiedCandidate> verified = verify_candidates();
+  leave_rivals_undecided(verified, trajectory());
   refuse_all_but_best(verified, trajectory());
   LoopClosingResult result;
   for (const VerifiedCandidate& entry : verified) {

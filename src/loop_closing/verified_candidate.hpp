@@ -29,6 +29,12 @@ VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, c
 
 /// True if no other candidate has to be matched: this one is accepted and unambiguous.
 bool is_conclusive(const VerifiedCandidate& verified);
+/// True if nothing but the match itself tells where the newest key frame is: no constraints connect
+/// the two, and GNSS is no better.
+bool is_unanchored(const VerifiedCandidate& verified);
+/// Leaves accepted candidates undecided that are not anchored and of which another one shows nearly
+/// as well that the newest key frame is elsewhere in the same segment: both places look alike.
+void leave_rivals_undecided(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory);
 /// Refuses all accepted candidates but the best: the others would constrain the same key frame
 /// again.
 void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory);

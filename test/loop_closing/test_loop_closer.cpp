@@ -140,15 +140,21 @@ TEST(LoopCloser, FindsNothingWithoutRevisits) {
   EXPECT_TRUE(drive(world, truth, truth).loops.empty());
 }
 
-// The clouds of twin streets cannot be distinguished; the estimate distinguishes them.
-TEST(LoopCloser, NeverClosesBetweenTwinStreets) {
-  ToyWorld world = make_town(60.0, 100.0, 9);
+/// A street along x, and the same street again 140 m to the left.
+ToyWorld make_twin_streets(double extent) {
+  ToyWorld world = make_town(extent, 100.0, 9);
   const std::size_t count = world.boxes.size();
   for (std::size_t i = 0; i < count; ++i) {
     const Box& box = world.boxes[i];
     const Eigen::Vector3d shift(0.0, 140.0, 0.0);
     world.boxes.push_back({box.low + shift, box.high + shift});
   }
+  return world;
+}
+
+// The clouds of twin streets cannot be distinguished; the estimate distinguishes them.
+TEST(LoopCloser, NeverClosesBetweenTwinStreets) {
+  const ToyWorld world = make_twin_streets(60.0);
   const auto truth = along({{-50, 0}, {50, 0}, {100, 70}, {50, 140}, {-50, 140}});
   const DriveOutcome outcome = drive(world, truth, drifting(truth, 1.01, 1e-4));
   EXPECT_TRUE(outcome.loops.empty());
@@ -306,6 +312,28 @@ TEST(LoopCloser, ConnectsASegmentToTheOneBefore) {
   ASSERT_FALSE(outcome.loops.empty());
   EXPECT_LT(outcome.loops.front().from, reset);
   EXPECT_GE(outcome.loops.front().to, reset);
+}
+
+// Of a drive that sees nothing but a street that is there twice nobody can say where it was.
+TEST(LoopCloser, DoesNotConnectASegmentInATwinStreet) {
+  const ToyWorld world = make_twin_streets(90.0);
+  auto truth = along({{-80, 0}, {80, 0}, {130, 70}, {80, 140}, {-80, 140}});
+  const std::size_t mapped = truth.size();
+  for (const Pose& pose : along({{-70, 0}, {70, 0}})) truth.push_back(pose);
+  DriveClouds clouds(world, truth);
+  LoopCloser closer({}, clouds);
+  closer.set_sensor_origin(ToyWorld::sensor());
+  DriveOutcome outcome;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    KeyFrame key = key_frame(i, i < mapped ? truth[i] : truth[mapped].inverse() * truth[i]);
+    if (i >= mapped) {
+      key.segment = 1;
+      key.stamp += from_seconds(86400.0);  // the vehicle may have gone anywhere
+    }
+    append(outcome, closer.process(key), truth);
+  }
+  EXPECT_TRUE(outcome.loops.empty());
+  EXPECT_FALSE(outcome.verdicts.empty());
 }
 
 TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {

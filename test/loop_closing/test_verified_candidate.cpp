@@ -76,6 +76,54 @@ TEST(RefuseAllButBest, AcceptsNoMatchesAtAll) {
   EXPECT_EQ(verdicts_of(undecided), std::vector<Verdict>{kOpen});
 }
 
+/// Key frames 10 to 50 at 0, 40, 80, 120 and 160 m; the last one is of a segment of its own.
+Trajectory two_segments() {
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < 5; ++i) {
+    KeyFrame frame = key_frame(10 * (i + 1), planar(40.0 * static_cast<double>(i), 0.0, 0.0));
+    frame.segment = i == 4 ? 1 : 0;
+    trajectory.append(frame);
+  }
+  return trajectory;
+}
+
+TEST(LeaveRivalsUndecided, WhereTwoPlacesLookAlike) {
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.95, 0.0), verified_at(2, 0.85, 0.0)};
+  leave_rivals_undecided(entries, two_segments());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kOpen, kOpen}));
+  EXPECT_NE(entries[0].decision.reason.find("key frame 30"), std::string::npos);
+  EXPECT_NE(entries[1].decision.reason.find("key frame 10"), std::string::npos);
+}
+
+TEST(LeaveRivalsUndecided, UnlessOneFitsClearlyBetter) {
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.95, 0.0), verified_at(2, 0.75, 0.0)};
+  leave_rivals_undecided(entries, two_segments());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kYes, kYes}));
+}
+
+TEST(LeaveRivalsUndecided, UnlessBothShowTheSamePlace) {
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.9, 0.0), verified_at(1, 0.9, 0.0)};
+  entries[0].match.alignment.T_target_source = planar(39.0, 0.0, 0.0);
+  entries[1].match.alignment.T_target_source = planar(-1.0, 5.0, 0.0);
+  leave_rivals_undecided(entries, two_segments());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kYes, kYes}));
+}
+
+TEST(LeaveRivalsUndecided, UnlessTheEstimateKnowsThePlace) {
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.9, 0.0), verified_at(2, 0.9, 0.0)};
+  entries[0].candidate.prior.anchored = true;
+  entries[1].candidate.prior.anchored = true;
+  leave_rivals_undecided(entries, two_segments());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kYes, kYes}));
+}
+
+TEST(LeaveRivalsUndecided, LeavesThoseThatWereNotAccepted) {
+  std::vector<VerifiedCandidate> entries = {verified_at(0, 0.9, 0.0),
+                                            verified_at(2, 0.9, 0.0, kNo)};
+  leave_rivals_undecided(entries, two_segments());
+  EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kYes, kNo}));
+}
+
 TEST(IsConclusive, NeedsAnAcceptedMatchThatAgreesWithACertainEstimate) {
   VerifiedCandidate entry = verified_at(1, 0.9, 0.0);
   entry.candidate.prior.anchored = true;
