@@ -18,3 +18,7 @@ TEST(Scripts, AblationIsRight) { EXPECT_EQ(std::system("python3 tools/check_abla
 TEST(Scripts, TheDemosSecondDriveIsRight) {
   EXPECT_EQ(std::system("python3 tools/check_second_drive.py"), 0);
 }
+
+TEST(Scripts, ABlockOfCommandsThatIsRunAgainBeginsWhereItBegan) {
+  EXPECT_EQ(std::system("python3 tools/check_snapshot.py"), 0);
+}
