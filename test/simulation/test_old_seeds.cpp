@@ -9,8 +9,8 @@ namespace lidar_mapping::simulation {
 namespace {
 
 /// Figures that identify a scan. A seed has to give the same scans in all versions, because
-/// otherwise published figures could not be reproduced. Another processor may round a ray into or
-/// out of an edge, so that sums are compared and not bytes.
+/// otherwise published figures could not be reproduced. A processor without AVX2 may round a ray
+/// into or out of an edge, so that sums are compared and not bytes.
 struct Figures {
   std::size_t points, moving;
   Eigen::Vector3d mean;

@@ -25,7 +25,10 @@ using Device = Handle<RTCDevice, rtcReleaseDevice>;
 using Scene = Handle<RTCScene, rtcReleaseScene>;
 using Geometry = Handle<RTCGeometry, rtcReleaseGeometry>;
 
-constexpr int kPacket = 8;        ///< rays of an RTCRayHit8 of Embree, for registers of 256 bits
+constexpr int kPacket = 8;  ///< rays of an RTCRayHit8 of Embree, for registers of 256 bits
+/// Embree decides with other roundings in wider registers, and a drive must not depend on the
+/// processor that simulates it.
+constexpr const char* kDeviceOptions = "max_isa=avx2";
 constexpr unsigned kFixedId = 0;  ///< by definition: the fixed world is the first instance
 
 Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
@@ -95,17 +98,47 @@ void fill(RTCRayHit8& packet, int lane, const Ray& ray, float min_range, float m
   packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
+using Transform = Eigen::Matrix<double, 3, 4>;
+
+/// Where a mover is while a frame is taken. Embree blends the two linearly as well.
+struct Motion {
+  Transform begin = Transform::Zero(), end = Transform::Zero();
+
+  Transform at(double fraction) const { return (1.0 - fraction) * begin + fraction * end; }
+};
+
 /// The world during one frame.
 struct Frame {
   Scene scene;
-  std::vector<Eigen::Matrix3f> R_map_shape;  ///< One per mover.
+  std::vector<Motion> motions;  ///< One per mover.
 };
+
+using Triangle = std::array<Eigen::Vector3d, 3>;
+
+Triangle triangle_of(const TriangleMesh& mesh, unsigned index) {
+  Triangle corners;
+  for (std::size_t i = 0; i < 3; ++i)
+    corners[i] = mesh.vertices[mesh.triangles[index][i]].cast<double>();
+  return corners;
+}
+
+/// Range and incidence of a ray that Embree says meets the plane of this triangle. Embree's own
+/// range comes from the processor's approximate reciprocal, which makers of processors round each
+/// in their own way; it remains where the ray lies in the plane.
+void measure(const Ray& ray, const Triangle& triangle, Hit& hit) {
+  const Eigen::Vector3d normal =
+      (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+  const double closing = normal.dot(ray.direction.cast<double>());
+  hit.cosine = static_cast<float>(std::abs(closing));
+  if (closing == 0.0) return;
+  hit.range = static_cast<float>(normal.dot(triangle[0] - ray.origin.cast<double>()) / closing);
+}
 
 }  // namespace
 
 class RayCaster::Impl {
  public:
-  explicit Impl(const World& world) : world_(world), device_(rtcNewDevice(nullptr)) {
+  explicit Impl(const World& world) : world_(world), device_(rtcNewDevice(kDeviceOptions)) {
     fixed_ = make_mesh_scene(device_.get(), world.fixed);
     for (const TriangleMesh& shape : world.shapes) {
       shapes_.push_back(make_mesh_scene(device_.get(), shape));
@@ -114,7 +147,7 @@ class RayCaster::Impl {
 
   Frame frame(double begin_s, double end_s) const {
     Frame frame{Scene(rtcNewScene(device_.get())), {}};
-    frame.R_map_shape.resize(world_.movers.size());
+    frame.motions.resize(world_.movers.size());
     rtcSetSceneFlags(frame.scene.get(), RTC_SCENE_FLAG_ROBUST);
     add_instance(device_.get(), frame.scene.get(), fixed_.get(), kFixedId, {}, {});
     for (std::size_t i = 0; i < world_.movers.size(); ++i) {
@@ -123,40 +156,31 @@ class RayCaster::Impl {
       if (!first || !last) continue;
       add_instance(device_.get(), frame.scene.get(), shapes_[mover.shape].get(),
                    static_cast<unsigned>(i + 1), *first, *last);
-      frame.R_map_shape[i] = first->rotation_matrix().cast<float>();
+      frame.motions[i] = {first->matrix().topRows<3>(), last->matrix().topRows<3>()};
     }
     commit(frame.scene.get());
     return frame;
   }
 
-  Hit hit(const Frame& frame, const RTCRayHit8& packet, int lane) const {
+  Hit hit(const Frame& frame, const Ray& ray, const RTCRayHit8& packet, int lane) const {
     Hit hit;
     if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return hit;
-    const unsigned instance = packet.hit.instID[0][lane];
-    const Eigen::Vector3f normal(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane],
-                                 packet.hit.Ng_z[lane]);
+    const unsigned instance = packet.hit.instID[0][lane], index = packet.hit.primID[lane];
     hit.range = packet.ray.tfar[lane];
     hit.moving = instance != kFixedId;
+    const TriangleMesh& mesh =
+        hit.moving ? world_.shapes[world_.movers[instance - 1].shape] : world_.fixed;
+    hit.reflectivity = mesh.reflectivity[index];
+    Triangle triangle = triangle_of(mesh, index);
     if (hit.moving) {
-      const Mover& mover = world_.movers[instance - 1];
-      hit.reflectivity = world_.shapes[mover.shape].reflectivity[packet.hit.primID[lane]];
-      // The normal of an instance is in the frame of its shape.
-      hit.cosine = cosine(packet, lane, frame.R_map_shape[instance - 1] * normal);
-    } else {
-      hit.reflectivity = world_.fixed.reflectivity[packet.hit.primID[lane]];
-      hit.cosine = cosine(packet, lane, normal);
+      const Transform T_map_shape = frame.motions[instance - 1].at(ray.time);
+      for (Eigen::Vector3d& corner : triangle) corner = T_map_shape * corner.homogeneous();
     }
+    measure(ray, triangle, hit);
     return hit;
   }
 
  private:
-  static float cosine(const RTCRayHit8& packet, int lane, const Eigen::Vector3f& normal) {
-    const Eigen::Vector3f direction(packet.ray.dir_x[lane], packet.ray.dir_y[lane],
-                                    packet.ray.dir_z[lane]);
-    const float length = normal.norm();
-    return length > 0.0F ? std::abs(normal.dot(direction)) / length : 0.0F;
-  }
-
   const World& world_;
   Device device_;
   Scene fixed_;
@@ -182,7 +206,9 @@ void RayCaster::cast(const std::vector<Ray>& rays, double begin_s, double end_s,
       if (lane < count) fill(packet, lane, rays[first + lane], min_range, max_range);
     }
     rtcIntersect8(valid, frame.scene.get(), &context, &packet);
-    for (int lane = 0; lane < count; ++lane) hits[first + lane] = impl_->hit(frame, packet, lane);
+    for (int lane = 0; lane < count; ++lane) {
+      hits[first + lane] = impl_->hit(frame, rays[first + lane], packet, lane);
+    }
   }
 }
 
