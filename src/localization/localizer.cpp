@@ -8,18 +8,13 @@
 #include "lidar_mapping/common/text.hpp"
 
 #include "hypotheses.hpp"
+#include "map_noise.hpp"
 #include "map_parts.hpp"
 #include "place_finder.hpp"
 
 namespace lidar_mapping::localization {
 
 namespace {
-
-/// Added to the covariance of a match: the surfaces of the map are off by so much where it was
-/// made, whatever the number of points. Chosen: the range noise of a LiDAR; m, and rad (0.05
-/// degrees).
-constexpr double kMapNoise = 0.02;
-constexpr double kMapNoiseAngle = 0.0009;
 
 /// m: standard deviation from which on a pose by odometry is worth nothing: a match does not find
 /// back from there. Chosen: half of a street and more.
@@ -75,12 +70,14 @@ class Localizer::Impl {
 
   void set_initial_pose(const Pose& T_map_base) {
     found_.reset();
+    map_noise_.interrupt();
     finder_.restart();
     claim_ = T_map_base;
   }
 
   void restart() {
     found_.reset();
+    map_noise_.interrupt();
     finder_.restart();
     claim_.reset();
     lost_because_.reset();
@@ -113,6 +110,7 @@ class Localizer::Impl {
     if (!input.is_connected) return interrupt();
     finder_.move(input.T_previous_base, input.covariance);
     if (found_) found_->move(input.T_previous_base, input.covariance);
+    map_noise_.move(input.T_previous_base);
     return input.T_previous_base.translation.norm();
   }
 
@@ -126,7 +124,10 @@ class Localizer::Impl {
   LocalizationResult follow(const LocalizerInput& input, const ScanPoints& points, double way) {
     const Evidence evidence = found_->update(points, map_.surfaces, matcher_, way);
     if (evidence == Evidence::kUnconfirmed) confirm(input, way);
-    if (evidence == Evidence::kAgrees) finder_.restart();
+    if (evidence == Evidence::kAgrees) {
+      finder_.restart();
+      map_noise_.add_match(found_->estimate().T_map_base);
+    }
     LocalizationResult result = described(*found_);
     result.reason = sentence(evidence, found_->match().agreement);
     result.state = evidence == Evidence::kAgrees ? LocalizationState::kFollowing
@@ -155,6 +156,7 @@ class Localizer::Impl {
 
   void give_up(const std::string& reason) {
     found_.reset();
+    map_noise_.interrupt();
     finder_.restart();
     lost_because_ = reason;
   }
@@ -178,11 +180,12 @@ class Localizer::Impl {
     return result;
   }
 
-  static LocalizationResult described(const Hypothesis& place) {
+  /// To the covariance of a match belongs that of the map, whatever the number of points.
+  LocalizationResult described(const Hypothesis& place) const {
     LocalizationResult result;
     result.T_map_base = place.estimate().T_map_base;
-    result.covariance =
-        place.estimate().covariance + diagonal_covariance(kMapNoise, kMapNoiseAngle);
+    result.covariance = place.estimate().covariance +
+                        diagonal_covariance(map_noise_.stddev(), map_noise_.stddev_angle());
     result.probability = probability_of(place.log_odds());
     result.agreement = place.match().agreement.agreement;
     result.coverage = place.match().agreement.coverage;
@@ -194,6 +197,7 @@ class Localizer::Impl {
   ScanSampler sampler_;
   MapMatcher matcher_;
   PlaceFinder finder_;
+  MapNoise map_noise_;
   std::optional<Hypothesis> found_;
   std::optional<Pose> claim_;  ///< of the next scan
   std::optional<std::string> lost_because_;

