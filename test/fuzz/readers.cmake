@@ -45,6 +45,8 @@ set(reader_sources
   ${readers_root}/src/ros/bags/message_layout.cpp
   ${readers_root}/src/ros/checks/moving_frame.cpp
   ${readers_root}/src/ros/inputs/odometry_choice.cpp
+  ${readers_root}/src/ros/clouds/ouster_clock.cpp
+  ${readers_root}/src/ros/inputs/ouster_messages.cpp
   ${readers_root}/src/ros/clouds/ouster_metadata.cpp
   ${readers_root}/src/ros/inputs/ouster_topics.cpp
   ${readers_root}/src/ros/clouds/ouster_turns.cpp

@@ -3,49 +3,67 @@
 
 #include "clouds/ouster_metadata.hpp"
 #include "clouds/ouster_turns.hpp"
-#include "ouster_encoder.hpp"
+#include "ouster_turn.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {
 
-constexpr std::uint64_t kTurn = 100'000'000;  // ns
+class OusterTurnsOfPackets : public testing::Test {
+ protected:
+  /// Numbers of turns begin anew behind 65535, which is that of turn 0 here.
+  void add(std::size_t turn, std::size_t index) {
+    const auto bytes = test::packet_of_turn(sensor_, static_cast<std::uint16_t>(65535 + turn),
+                                            index, (1000 + turn) * test::kOusterTurn);
+    take(turns_.add({bytes.data(), bytes.size()}, from_seconds(100.0), {}));
+  }
+  void finish() { take(turns_.finish({})); }
 
-/// A turn has four packets of eight columns with two points.
-test::OusterSensor small_sensor() {
-  test::OusterSensor sensor;
-  sensor.columns = 32;
-  sensor.altitudes_deg = {-5.0, 5.0};
-  sensor.azimuths_deg = {0.0, 0.0};
-  return sensor;
-}
+  const test::OusterSensor sensor_ = test::small_ouster();
+  OusterTurns turns_{preprocessing::OusterDecoder(ouster_format(sensor_.metadata()))};
+  std::vector<std::uint32_t> points_, numbers_;  // of the turns
 
-/// Numbers of turns begin anew behind 65535, which is that of turn 0 here.
-std::vector<std::uint8_t> packet(const test::OusterSensor& sensor, std::size_t turn,
-                                 std::size_t index) {
-  const std::size_t first = index * sensor.columns_per_packet;
-  const std::uint64_t step = kTurn / sensor.columns;
-  return test::ouster_packet(sensor, static_cast<std::uint16_t>(65535 + turn), first,
-                             (1000 + turn) * kTurn + first * step, step,
-                             [](std::size_t, std::size_t) {
-                               return test::OusterReturn{5000, 7};
-                             });
-}
+ private:
+  void take(const std::optional<OusterTurn>& turn) {
+    if (!turn) return;
+    points_.push_back(turn->cloud.width);
+    numbers_.push_back(turn->cloud.header.seq);
+  }
+};
 
-TEST(OusterTurns, APacketThatComesLateDoesNotDivideTheNextTurn) {
-  const test::OusterSensor sensor = small_sensor();
-  OusterTurns turns(preprocessing::OusterDecoder(ouster_format(sensor.metadata())));
-  std::vector<std::uint32_t> points;
-  const auto add = [&](std::size_t turn, std::size_t index) {
-    const std::vector<std::uint8_t> bytes = packet(sensor, turn, index);
-    const auto complete = turns.add({bytes.data(), bytes.size()}, from_seconds(100.0), {});
-    if (complete) points.push_back(complete->cloud.width);
-  };
+TEST_F(OusterTurnsOfPackets, OneThatComesLateDoesNotDivideTheNextTurn) {
   for (const std::size_t index : {0U, 1U, 2U}) add(0, index);
   add(1, 0);
   add(0, 3);  // too late
   for (const std::size_t index : {1U, 2U, 3U}) add(1, index);
   add(2, 0);
-  EXPECT_EQ(points, (std::vector<std::uint32_t>{48, 64}));
+  EXPECT_EQ(points_, (std::vector<std::uint32_t>{48, 64}));
+  EXPECT_EQ(numbers_, (std::vector<std::uint32_t>{65535, 0}));
+  EXPECT_EQ(turns_.late_packets(), 1U);
+}
+
+TEST_F(OusterTurnsOfPackets, OneOfATurnThatWasFinishedComesLate) {
+  for (const std::size_t index : {0U, 1U, 3U}) add(0, index);
+  finish();
+  finish();
+  EXPECT_EQ(points_, (std::vector<std::uint32_t>{48})) << "given once";
+  add(0, 2);
+  EXPECT_EQ(turns_.late_packets(), 1U);
+  EXPECT_EQ(turns_.packets_so_far(), 0U);
+  for (const std::size_t index : {0U, 1U, 2U, 3U}) add(1, index);
+  add(2, 0);
+  EXPECT_EQ(points_, (std::vector<std::uint32_t>{48, 64}));
+  EXPECT_EQ(turns_.late_packets(), 1U);
+}
+
+TEST_F(OusterTurnsOfPackets, AnUnfinishedTurnWaitsForItsEnd) {
+  for (const std::size_t index : {0U, 1U, 2U}) add(0, index);
+  finish();
+  EXPECT_TRUE(points_.empty());
+  EXPECT_EQ(turns_.packets_so_far(), 3U);
+  add(0, 3);
+  finish();
+  EXPECT_EQ(points_, (std::vector<std::uint32_t>{64}));
+  EXPECT_EQ(turns_.packets_so_far(), 0U);
 }
 
 }  // namespace

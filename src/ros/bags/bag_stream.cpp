@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lidar_mapping/ros/ouster_messages.hpp"
+
 #include "inputs/ouster_topics.hpp"
 
 namespace lidar_mapping::ros_border {

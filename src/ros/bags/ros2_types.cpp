@@ -14,8 +14,7 @@
 #include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geo_point_stamped.hpp"
 #include "lidar_mapping/ros/nmea_sentence.hpp"
-
-#include "inputs/ouster_topics.hpp"
+#include "lidar_mapping/ros/ouster_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 

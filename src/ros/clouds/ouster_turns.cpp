@@ -2,7 +2,6 @@
 #include "clouds/ouster_turns.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -60,14 +59,6 @@ bool begins_earlier(const OusterPoint& a, const OusterPoint& b) { return a.stamp
 
 }  // namespace
 
-Stamp OusterClock::to_ros(Stamp sensor) const {
-  // ns; as in ouster_packets.cpp, so that the sum below does not overflow.
-  constexpr Stamp kLast = Stamp{1} << 62U;
-  if (sensor < 0 || sensor > kLast) throw InputError("a time of the sensor is out of range");
-  const double passed = static_cast<double>(sensor - begin);
-  return sensor + offset + static_cast<Stamp>(std::llround(drift * passed));
-}
-
 OusterTurns::OusterTurns(preprocessing::OusterDecoder decoder) : decoder_(std::move(decoder)) {}
 
 std::optional<OusterTurn> OusterTurns::add(ByteRange packet, Stamp recorded,
@@ -80,12 +71,16 @@ std::optional<OusterTurn> OusterTurns::add(ByteRange packet, Stamp recorded,
   }
   std::optional<OusterTurn> turn;
   const std::uint16_t frame = decoder_.frame(packet.first);
-  // The network may deliver the last packets of a turn behind the first ones of the next.
-  if (frame_ && frame == static_cast<std::uint16_t>(*frame_ - 1)) return std::nullopt;
+  if (is_late(frame)) {
+    ++late_packets_;
+    return std::nullopt;
+  }
   if (frame_ != frame) {
     if (frame_) turn = take(clock);
     frame_ = frame;
+    is_given_ = false;
   }
+  ++packets_;
   recorded_ = recorded;
   has_begin_ |= decoder_.has_column(packet.first, decoder_.format().first_column);
   has_end_ |= decoder_.has_column(packet.first, decoder_.format().last_column);
@@ -93,9 +88,15 @@ std::optional<OusterTurn> OusterTurns::add(ByteRange packet, Stamp recorded,
   return turn;
 }
 
+/// The network may deliver the last packets of a turn behind the first ones of the next.
+bool OusterTurns::is_late(std::uint16_t frame) const {
+  if (!frame_) return false;
+  return frame == static_cast<std::uint16_t>(*frame_ - 1) || (is_given_ && frame == *frame_);
+}
+
 std::optional<OusterTurn> OusterTurns::finish(const OusterClock& clock) {
-  if (!frame_ || !has_end_) return std::nullopt;
-  frame_.reset();
+  if (is_given_ || !has_end_) return std::nullopt;
+  is_given_ = true;
   return take(clock);
 }
 
@@ -104,12 +105,14 @@ std::optional<OusterTurn> OusterTurns::take(const OusterClock& clock) {
   points_.reserve(points.size());
   const bool is_cut = std::exchange(is_first_, false) && !has_begin_;
   has_begin_ = has_end_ = false;
+  packets_ = 0;
   if (is_cut || points.empty()) return std::nullopt;
   drop_damaged_times(points);
   const Stamp begin = std::min_element(points.begin(), points.end(), begins_earlier)->stamp;
   OusterTurn turn;
   turn.recorded = recorded_;
   turn.cloud = cloud_of(points, begin);
+  turn.cloud.header.seq = *frame_;
   turn.cloud.header.stamp = to_ros(clock.to_ros(begin));
   turn.cloud.header.frame_id = kFrame;
   return turn;

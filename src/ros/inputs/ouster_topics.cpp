@@ -12,9 +12,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/ouster_messages.hpp"
 
-#include "bags/wire_array.hpp"
 #include "clouds/ouster_metadata.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -23,23 +22,8 @@ namespace {
 
 namespace traits = ros::message_traits;
 
-const std::string kPoints = "/lidar_packets", kImu = "/imu_packets", kMetadata = "/metadata";
-constexpr char kImuFrame[] = "os_imu";  // the driver's default
-/// Part of a recording at its ends from which the clock is found, s. Chosen: ten turns.
-constexpr double kClockPart = 1.0;
-/// Largest offset of clocks that are the same, s. Chosen: packets wait in a network for less.
-constexpr double kSameClock = 0.05;
-/// How far atomic time, which PTP has, is ahead of UTC, s, by definition of UTC since 2017.
-constexpr double kAtomicTime = 37.0;
 /// Largest drift of a quartz, s/s. Chosen: ten times that of the data sheets of usual ones.
 constexpr double kLargestDrift = 1e-3;
-
-/// What a topic of packets begins with; empty for the topics of another kind.
-std::string name_of(const std::string& topic, const std::string& kind) {
-  const bool fits = topic.size() > kind.size() &&
-                    topic.compare(topic.size() - kind.size(), kind.size(), kind) == 0;
-  return fits ? topic.substr(0, topic.size() - kind.size()) : std::string();
-}
 
 bool has(const std::vector<BagTopic>& topics, const std::string& name, const std::string& type) {
   return std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
@@ -62,35 +46,12 @@ BagMessage serialized(const Message& message, const BagConnection& connection, S
   return {&connection, recorded, {bytes->data(), bytes->size()}, bytes};
 }
 
-/// The bytes of a packet or a text, which are all of its message. Throws ros::Exception if they are
-/// cut off.
-ByteRange bytes_in(const BagMessage& message) {
-  ros::serialization::IStream stream = message.stream();
-  return array_bytes(stream);
-}
-
-/// Throws InputError for a packet of another size; older drivers add a byte.
-ImuSample imu_in(const BagMessage& message) {
-  const ByteRange packet = bytes_in(message);
-  constexpr std::size_t kSize = preprocessing::kOusterImuPacket;
-  if (packet.size != kSize && packet.size != kSize + 1) {
-    throw InputError("a packet of an Ouster's IMU has " + std::to_string(packet.size) +
-                     " bytes, not " + std::to_string(kSize));
-  }
-  return preprocessing::ouster_imu(packet.first);
-}
-
-sensor_msgs::Imu message_of(ImuSample sample, const OusterClock& clock) {
-  sample.stamp = clock.to_ros(sample.stamp);
-  return to_message(sample, kImuFrame);
-}
-
 /// The first text on the topic.
 std::string text_on(const std::vector<std::string>& paths, const std::string& topic) {
   BagStream messages(paths, {topic}, BagStream::Packets::kAsTheyAre);
   while (const auto message = messages.next()) {
     if (!message->is<std_msgs::String>()) continue;
-    const ByteRange text = bytes_in(*message);
+    const ByteRange text = ouster_packet_in(message->data);  // it lies in its message likewise
     return {reinterpret_cast<const char*>(text.first), text.size};
   }
   throw InputError("no message on " + topic + " can be read");
@@ -113,7 +74,7 @@ std::optional<Soonest> soonest_in(const std::vector<std::string>& paths, const s
   packets.skip_to(from);
   std::optional<Soonest> soonest;
   for (auto packet = packets.next(); packet; packet = packets.next()) {
-    if (packet->recorded > from + from_seconds(kClockPart)) break;
+    if (packet->recorded > from + from_seconds(kOusterClockPart)) break;
     try {
       const Stamp sensor = OusterClock().to_ros(time_of(*packet));
       const Stamp offset = packet->recorded - sensor;
@@ -134,20 +95,17 @@ OusterClock clock_of(const std::vector<std::string>& paths, const std::string& t
   const auto times = BagSet(paths).times_of({topic});
   if (!times) return {};
   const auto first = soonest_in(paths, topic, times->first, time_of);
-  const auto last = soonest_in(
-      paths, topic, std::max(times->first, times->second - from_seconds(kClockPart)), time_of);
+  const auto last =
+      soonest_in(paths, topic,
+                 std::max(times->first, times->second - from_seconds(kOusterClockPart)), time_of);
   if (!first || !last) return {};
-  for (const double offset : {0.0, -kAtomicTime}) {
-    const auto is_there = [&](const Soonest& end) {
-      return std::abs(to_seconds(end.offset) - offset) < kSameClock;
-    };
-    if (is_there(*first) && is_there(*last)) return {0, from_seconds(offset), 0.0};
-  }
+  const auto known = known_offset(first->offset);
+  if (known && known == known_offset(last->offset)) return {0, *known, 0.0};
   OusterClock clock{first->sensor, first->offset, 0.0};
   const double passed = to_seconds(last->sensor - first->sensor);
   const double drift = to_seconds(last->offset - first->offset) / passed;
   // A sensor that was switched on anew in between has no clock to follow.
-  if (passed > kClockPart && std::abs(drift) < kLargestDrift) clock.drift = drift;
+  if (passed > kOusterClockPart && std::abs(drift) < kLargestDrift) clock.drift = drift;
   return clock;
 }
 
@@ -157,27 +115,28 @@ void present_ouster_packets(std::vector<BagTopic>& topics) {
   const std::vector<BagTopic> recorded = topics;
   for (BagTopic& topic : topics) {
     if (topic.type != kOusterPacket) continue;
-    const std::string name = name_of(topic.name, kPoints);
-    if (!name.empty() && has(recorded, name + kMetadata, "std_msgs/String")) {
+    const std::string name = ouster_name(topic.name, kOusterPoints);
+    if (!name.empty() && has(recorded, name + kOusterMetadata, "std_msgs/String")) {
       set_type<sensor_msgs::PointCloud2>(topic);
     }
-    if (!name_of(topic.name, kImu).empty()) set_type<sensor_msgs::Imu>(topic);
+    if (!ouster_name(topic.name, kOusterImu).empty()) set_type<sensor_msgs::Imu>(topic);
   }
 }
 
 OusterTopics::OusterTopics(const std::vector<std::string>& paths,
                            const std::vector<std::string>& packets) {
   for (const std::string& topic : packets) {
-    for (const std::string& kind : {kPoints, kImu}) {
-      const std::string name = name_of(topic, kind);
+    for (const char* kind : {kOusterPoints, kOusterImu}) {
+      const std::string name = ouster_name(topic, kind);
       if (name.empty() || sensors_.count(name) > 0) continue;
       try {
         add_sensor(paths, name);
       } catch (const InputError& error) {
-        problems_.push_back("the metadata of the Ouster on " + name + kMetadata +
+        problems_.push_back("the metadata of the Ouster on " + name + kOusterMetadata +
                             " cannot be used: " + error.what());
       } catch (const ros::Exception&) {
-        problems_.push_back("the metadata of the Ouster on " + name + kMetadata + " are cut off");
+        problems_.push_back("the metadata of the Ouster on " + name + kOusterMetadata +
+                            " are cut off");
       }
     }
   }
@@ -185,8 +144,8 @@ OusterTopics::OusterTopics(const std::vector<std::string>& paths,
 
 void OusterTopics::add_sensor(const std::vector<std::string>& paths, const std::string& name) {
   Sensor& sensor = sensors_[name];
-  sensor.points.topic = name + kPoints;
-  sensor.imu.topic = name + kImu;
+  sensor.points.topic = name + kOusterPoints;
+  sensor.imu.topic = name + kOusterImu;
   set_type<sensor_msgs::PointCloud2>(sensor.points);
   set_type<sensor_msgs::Imu>(sensor.imu);
   const std::vector<BagTopic> topics = BagSet(paths).topics();
@@ -194,18 +153,19 @@ void OusterTopics::add_sensor(const std::vector<std::string>& paths, const std::
     return std::any_of(topics.begin(), topics.end(),
                        [&](const BagTopic& there) { return there.name == topic; });
   };
-  if (is_recorded(name + kPoints) && is_recorded(name + kMetadata)) {
+  if (is_recorded(name + kOusterPoints) && is_recorded(name + kOusterMetadata)) {
     sensor.turns.emplace(
-        preprocessing::OusterDecoder(ouster_format(text_on(paths, name + kMetadata))));
+        preprocessing::OusterDecoder(ouster_format(text_on(paths, name + kOusterMetadata))));
     const preprocessing::OusterDecoder& decoder = sensor.turns->decoder();
-    sensor.clock = clock_of(paths, name + kPoints, [&](const BagMessage& message) {
-      const ByteRange packet = bytes_in(message);
+    sensor.clock = clock_of(paths, name + kOusterPoints, [&](const BagMessage& message) {
+      const ByteRange packet = ouster_packet_in(message.data);
       if (packet.size < decoder.packet_size()) throw InputError("a packet is cut off");
       return decoder.last_stamp(packet.first);
     });
-  } else if (is_recorded(name + kImu)) {
-    sensor.clock = clock_of(paths, name + kImu,
-                            [](const BagMessage& message) { return imu_in(message).stamp; });
+  } else if (is_recorded(name + kOusterImu)) {
+    sensor.clock = clock_of(paths, name + kOusterImu, [](const BagMessage& message) {
+      return ouster_imu_in(ouster_packet_in(message.data)).stamp;
+    });
   }
 }
 
@@ -217,15 +177,18 @@ std::optional<BagMessage> OusterTopics::add(const BagMessage& message) {
 
 std::optional<BagMessage> OusterTopics::made_of(const BagMessage& message) {
   if (message.getDataType() != kOusterPacket) return message;
-  const auto imu = sensors_.find(name_of(message.topic(), kImu));
+  const auto imu = sensors_.find(ouster_name(message.topic(), kOusterImu));
   if (imu != sensors_.end()) {
     const Sensor& sensor = imu->second;
-    return serialized(message_of(imu_in(message), sensor.clock), sensor.imu, message.recorded);
+    ImuSample sample = ouster_imu_in(ouster_packet_in(message.data));
+    sample.stamp = sensor.clock.to_ros(sample.stamp);
+    return serialized(ouster_imu_message(sample), sensor.imu, message.recorded);
   }
-  const auto points = sensors_.find(name_of(message.topic(), kPoints));
+  const auto points = sensors_.find(ouster_name(message.topic(), kOusterPoints));
   if (points == sensors_.end() || !points->second.turns) return std::nullopt;
   Sensor& sensor = points->second;
-  const auto turn = sensor.turns->add(bytes_in(message), message.recorded, sensor.clock);
+  const auto turn =
+      sensor.turns->add(ouster_packet_in(message.data), message.recorded, sensor.clock);
   if (!turn) return std::nullopt;
   return serialized(turn->cloud, sensor.points, turn->recorded);
 }

@@ -13,11 +13,6 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Type of the messages of all packets of an Ouster in ROS 1.
-constexpr char kOusterPacket[] = "ouster_ros/PacketMsg";
-/// Its MD5 sum, by its definition: "uint8[] buf".
-constexpr char kOusterPacketSum[] = "4f7b5949e76f86d01e96b0e33ba9b5e3";
-
 /// Of an Ouster with its metadata the driver's topics of packets stand for clouds and IMU samples:
 /// NAME/lidar_packets, NAME/imu_packets and NAME/metadata, by their names. Gives these topics the
 /// types of what BagStream makes of their messages.
