@@ -17,6 +17,7 @@
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/ouster_messages.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
@@ -26,6 +27,7 @@
 #include "lidar_mapping/ros/wire_message.hpp"
 
 #include "preprocessing/input_watch.hpp"
+#include "preprocessing/ouster_input.hpp"
 #include "preprocessing/scan_loss_counter.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -37,6 +39,9 @@ constexpr std::chrono::milliseconds kIdle{1000};
 /// Queue length of the other sensors for each queued scan. Chosen: IMUs publish ten to twenty times
 /// as often as LiDARs.
 constexpr int kSamplesPerScan = 20;
+/// Length of roscpp's queue for the points. Chosen: a second of the packets of an Ouster, which is
+/// longer than any burst of them.
+constexpr std::uint32_t kPointsTransportQueue = 1280;
 /// Duration of the data after which the input validator reports, s. Chosen: enough for rates, units
 /// and gaps, and the person who started the nodes is still there.
 constexpr double kValidationTime = 5.0;
@@ -75,16 +80,27 @@ SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
   return message;
 }
 
-/// Numbers of the dropped scans by their reasons; empty if there are none.
-std::string dropped_scans(const preprocessing::PreprocessingCounters& counters) {
+/// Of what is left out, the numbers by their reasons. Empty if they are all 0.
+std::string left_out(const std::string& what,
+                     const std::vector<std::pair<std::size_t, const char*>>& numbers) {
   std::vector<std::string> reasons;
-  const auto add = [&](std::size_t count, const char* reason) {
-    if (count > 0) reasons.push_back(std::to_string(count) + reason);
-  };
-  add(counters.scans_without_extrinsic, " without transform");
-  add(counters.scans_without_points, " without points");
-  add(counters.scans_out_of_order, " out of order");
-  return joined(reasons);
+  for (const auto& [count, reason] : numbers) {
+    if (count > 0) reasons.push_back(std::to_string(count) + " " + reason);
+  }
+  return reasons.empty() ? "" : what + ": " + joined(reasons);
+}
+
+std::string dropped_scans(const preprocessing::PreprocessingCounters& counters) {
+  return left_out("scans dropped", {{counters.scans_without_extrinsic, "without transform"},
+                                    {counters.scans_without_points, "without points"},
+                                    {counters.scans_out_of_order, "out of order"}});
+}
+
+std::string packets_left_out(const OusterLosses& packets) {
+  return left_out("packets left out", {{packets.without_metadata, "before the metadata"},
+                                       {packets.damaged, "damaged"},
+                                       {packets.late, "late"},
+                                       {packets.unfinished, "of an unfinished turn"}});
 }
 
 /// Keeps the message as long as the cloud. Throws InputError if it is shorter than it says.
@@ -98,9 +114,9 @@ RecordedCloud whole_cloud(const boost::shared_ptr<const WireMessage>& message) t
 
 }  // namespace
 
-/// Subscribed: points, other_points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
-/// synced_velocity, synced_gnss, synced_inputs, all with the stamp of their scan; gnss_datum,
-/// scans_lost (both latched).
+/// Subscribed: points, other_points, imu, velocity, gnss, tf, and beside packets of an Ouster
+/// metadata and imu_packets. Published: synced_cloud, synced_imu, synced_velocity, synced_gnss,
+/// synced_inputs, all with the stamp of their scan; gnss_datum, scans_lost (both latched).
 class PreprocessingNode {
  public:
   using Config = NodeConfig<preprocessing::PreprocessingConfig>;
@@ -111,11 +127,14 @@ class PreprocessingNode {
  private:
   void advertise();
   void subscribe_sensors();
+  ros::Subscriber subscribe_points();
   void add_cloud(const boost::shared_ptr<const WireMessage>& message);
+  void add_cloud(const RecordedCloud& cloud);
   void add_other_cloud(const boost::shared_ptr<const WireMessage>& message);
   void process(preprocessing::RawScan scan);
   void flush();
   void warn_of_type(const WireMessage& message, const std::string& topic);
+  void add_imu(const WireMessage& message);
   void add(const SensorInput<ImuSample>& input);
   void add(const SensorInput<VelocitySample>& input);
   void add(const SensorInput<GnssFix>& input);
@@ -149,6 +168,7 @@ class PreprocessingNode {
   preprocessing::SentenceCheck sentences_;
   std::size_t damaged_packets_ = 0;        ///< left out of the clouds that are made of packets
   std::size_t other_clouds_left_out_ = 0;  ///< of other LiDARs, without times or transform
+  OusterInput ouster_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -161,7 +181,13 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
       losses_(context),
-      watch_(context) {
+      watch_(context),
+      ouster_(context, watch_, config.node.queue_size, kSamplesPerScan * config.node.queue_size,
+              {[this](const RecordedCloud& cloud) {
+                 losses_.add(cloud.message.header.seq);
+                 add_cloud(cloud);
+               },
+               [this](const sensor_msgs::Imu& message) { add(input_of(message)); }}) {
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { flush(); });
@@ -186,22 +212,34 @@ void PreprocessingNode::subscribe_sensors() {
   const int scans = config_.node.queue_size;
   const int samples = kSamplesPerScan * scans;
   subscribers_ = {
-      subscribe<sensor_msgs::Imu>(context_, "imu", samples,
-                                  [this](const auto& message) { add(input_of(*message)); }),
+      subscribe<WireMessage>(context_, "imu", samples,
+                             [this](const auto& message) { add_imu(*message); }),
       subscribe<topic_tools::ShapeShifter>(context_, "gnss", samples,
                                            [this](const auto& message) {
                                              check_sentence(*message);
                                              add_if_readable<GnssMessages>("gnss", *message);
                                            }),
-      subscribe<WireMessage>(
-          context_, "points", scans, [this](const auto& message) { add_cloud(message); },
-          Numbered::kNo, [this](const WireMessage& message) { losses_.add(message.sequence()); }),
+      subscribe_points(),
       subscribe<WireMessage>(context_, "other_points", scans,
                              [this](const auto& message) { add_other_cloud(message); })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
       context_, "velocity", samples,
       [this](const auto& message) { add_if_readable<VelocityMessages>("velocity", *message); }));
+}
+
+/// Packets of which many make a scan wait in a queue of their own.
+ros::Subscriber PreprocessingNode::subscribe_points() {
+  const auto channel =
+      context_.worker.add_channel("points", static_cast<std::size_t>(config_.node.queue_size));
+  return subscribe_arrivals<WireMessage>(
+      context_, "points", kPointsTransportQueue,
+      [this, channel](const ros::MessageEvent<const WireMessage>& event) {
+        const boost::shared_ptr<const WireMessage> message = event.getConstMessage();
+        if (is_ouster_packet(message->type, message->md5sum)) return ouster_.post(message);
+        losses_.add(message->sequence());
+        context_.worker.post(channel, [this, message] { add_cloud(message); });
+      });
 }
 
 /// Uses the velocity of a wheel odometry that is published as transforms.
@@ -222,10 +260,14 @@ void PreprocessingNode::follow_transforms() {
       }));
 }
 
-/// A cloud of any of cloud_types(). The report also says why no scan could be published.
+/// A cloud of any of cloud_types().
 void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& message) {
   if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message, "points");
-  const RecordedCloud cloud = whole_cloud(message);
+  add_cloud(whole_cloud(message));
+}
+
+/// The report also says why no scan could be published.
+void PreprocessingNode::add_cloud(const RecordedCloud& cloud) {
   context_.diagnostics.count_input(from_ros(cloud.message.header.stamp));
   DecodedCloud decoded = reader_.read_lazily(cloud, std::move(spare_cloud_));
   damaged_packets_ += decoded.format.damaged_packets;
@@ -265,6 +307,7 @@ void PreprocessingNode::process(preprocessing::RawScan scan) {
 
 /// Nothing has come for a while: nothing is waited for any more.
 void PreprocessingNode::flush() {
+  ouster_.finish();
   if (auto scan = merger_.flush()) publish(stage_.process(std::move(*scan)));
   publish(stage_.flush());
   report();
@@ -278,6 +321,19 @@ void PreprocessingNode::warn_of_type(const WireMessage& message, const std::stri
                                 ? message.type + ", which is not read; "
                                                  "doc/preprocessing.md has the types that are"
                                 : foreign + "; " + kForeignRemedy));
+}
+
+/// A sample, also as a packet of an Ouster.
+void PreprocessingNode::add_imu(const WireMessage& message) {
+  const bool is_packet = is_ouster_packet(message.type, message.md5sum);
+  if (!is_packet && !message.is<sensor_msgs::Imu>()) {
+    ROS_ERROR_STREAM_ONCE(context_.node.resolveName("imu")
+                          << " holds " << message.type
+                          << ", which is not read; doc/preprocessing.md has the types that are");
+    return;
+  }
+  ouster_.mark_other_imu();
+  add(input_of(is_packet ? ouster_.imu_in(message) : message.instantiate<sensor_msgs::Imu>()));
 }
 
 void PreprocessingNode::add(const SensorInput<ImuSample>& input) {
@@ -391,10 +447,12 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
 void PreprocessingNode::report() {
   losses_.report();
   const preprocessing::PreprocessingCounters& counters = stage_.counters();
-  const std::string dropped = dropped_scans(counters);
+  const std::string scans = dropped_scans(counters);
+  const std::string packets = packets_left_out(ouster_.losses());
+  const std::string lost = scans + (scans.empty() || packets.empty() ? "" : "; ") + packets;
   context_.diagnostics.set_state(
-      dropped.empty() ? Diagnostics::Level::kOk : Diagnostics::Level::kWarning,
-      dropped.empty() ? "synchronising" : "scans dropped: " + dropped);
+      lost.empty() ? Diagnostics::Level::kOk : Diagnostics::Level::kWarning,
+      lost.empty() ? "synchronising" : lost);
   const auto set = [this](const char* key, std::size_t value) {
     context_.diagnostics.set(key, std::to_string(value));
   };
@@ -407,7 +465,7 @@ void PreprocessingNode::report() {
   set("scans forgotten when time went back", counters.scans_forgotten);
   set("scans completed early", counters.scans_waiting_too_long);
   set("points not finite", counters.points_not_finite);
-  set("packets damaged", damaged_packets_);
+  set("packets damaged", damaged_packets_ + ouster_.losses().damaged);
   set("clouds of other LiDARs left out", other_clouds_left_out_);
   set("samples refused", counters.samples_refused);
   set("GNSS fixes refused", counters.gnss_refused);

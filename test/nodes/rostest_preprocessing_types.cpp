@@ -3,6 +3,7 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TwistStamped.h>
+#include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/ros/messages.hpp"
@@ -11,6 +12,8 @@
 #include "driver_messages.hpp"
 #include "figures.hpp"
 #include "hesai_messages.hpp"
+#include "ouster_packet_message.hpp"
+#include "ouster_turn.hpp"
 #include "preprocessing_fixture.hpp"
 #include "velodyne_encoder.hpp"
 
@@ -121,6 +124,183 @@ TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAHesai) {
   EXPECT_NEAR(cloud.points[7000].position().norm(), 5.0, 1e-4);
   ASSERT_TRUE(cloud.has_times());
   EXPECT_NEAR(cloud.times.back() - cloud.times.front(), 0.1, 2e-3);
+}
+
+/// A node of its own that is given what the driver of an Ouster publishes, by the clock of ROS, in
+/// the time that a sensor takes.
+class NodeWithOuster {
+ public:
+  /// `points` and `others`: where the packets come.
+  explicit NodeWithOuster(const std::string& points = "/ouster/lidar_packets",
+                          std::vector<std::string> others = {})
+      : node_("preprocessing_node", arguments(points, std::move(others))),
+        points_(connected_publisher<OusterPacketMessage>(points)),
+        metadata_topic_(points.substr(0, points.rfind('/')) + "/metadata") {
+    EXPECT_TRUE(wait_until([&] {
+      return is_connected(points) && is_connected("synced_cloud") && is_connected("tf_static");
+    }));
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "base_link";
+    transform.transform.rotation.w = 1.0;
+    std::vector<geometry_msgs::TransformStamped> transforms;
+    for (const char* frame : {"os_lidar", "os_imu"}) {
+      transform.child_frame_id = frame;
+      transforms.push_back(transform);
+    }
+    transforms_.sendTransform(transforms);
+    begin_ = ros_border::from_ros(ros::Time::now());
+  }
+  void send_metadata() {
+    metadata_ = connected_publisher<std_msgs::String>(metadata_topic_);
+    std_msgs::String text;
+    text.data = sensor_.metadata();
+    metadata_.publish(text);
+  }
+  /// The packets of a turn up to `end`, and ten of the IMU, on a topic of it.
+  void send_turn(int turn, std::size_t end, const ros::Publisher& imu = {}) {
+    wait_until([] { return false; }, 0.1);
+    for (std::size_t index = 0; index < end; ++index) send_packet(turn, index);
+    if (!imu) return;
+    for (int i = 0; i < 10; ++i) {
+      const Stamp stamp = time_of(turn) + i * kPeriod / 10;
+      imu.publish(OusterPacketMessage{ouster_imu_packet(static_cast<std::uint64_t>(stamp),
+                                                        {0.0, 0.0, 1.0}, {0.0, 0.0, kTurning})});
+    }
+  }
+  void send_turn(int turn, const ros::Publisher& imu = {}) {
+    send_turn(turn, packets_in_turn(sensor_), imu);
+  }
+  void send_packet(int turn, std::size_t index) {
+    points_.publish(
+        OusterPacketMessage{packet_of_turn(sensor_, static_cast<std::uint16_t>(kFirstTurn + turn),
+                                           index, static_cast<std::uint64_t>(time_of(turn)))});
+  }
+  Stamp time_of(int turn) const { return begin_ + turn * kPeriod; }
+
+  const NodeProcess& node() const { return node_; }
+  Listener<sensor_msgs::PointCloud2>& synced() { return synced_; }
+  Listener<sensor_msgs::Imu>& synced_imu() { return synced_imu_; }
+
+  static constexpr double kTurning = 10.0;           // degrees/s
+  static constexpr int kFirstTurn = 30'000;          // of a sensor that has been running
+  static constexpr std::size_t kPoints = 128U * 4U;  // of a turn
+
+ private:
+  static std::vector<std::string> arguments(const std::string& points,
+                                            std::vector<std::string> others) {
+    others.insert(others.end(), {"_max_latency:=0.1", "points:=" + points});
+    return others;
+  }
+  static OusterSensor sensor() {
+    OusterSensor sensor;
+    sensor.columns = 128;
+    sensor.altitudes_deg = {-15.0, -5.0, 0.0, 10.0};
+    sensor.azimuths_deg = {0.0, 0.0, 0.0, 0.0};
+    return sensor;
+  }
+
+  const OusterSensor sensor_ = sensor();
+  NodeProcess node_;
+  ros::Publisher points_, metadata_;
+  std::string metadata_topic_;
+  tf2_ros::StaticTransformBroadcaster transforms_;
+  Listener<sensor_msgs::PointCloud2> synced_{"synced_cloud"};
+  Listener<sensor_msgs::Imu> synced_imu_{"synced_imu"};
+  Stamp begin_ = 0;
+};
+
+/// A turn of the sensor; where the turn lies in time hangs on how busy the machine is.
+void expect_a_turn(const sensor_msgs::PointCloud2& message) {
+  EXPECT_EQ(message.header.frame_id, "os_lidar");
+  const PointCloud cloud = ros_border::from_message(message);
+  ASSERT_EQ(cloud.size(), NodeWithOuster::kPoints);
+  EXPECT_NEAR(cloud.points[300].position().norm(), kOusterRange, 2e-3);
+  ASSERT_TRUE(cloud.has_times());
+  EXPECT_NEAR(cloud.times.back() - cloud.times.front(), 0.1, 2e-3);
+}
+
+TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAnOusterAndOfItsImu) {
+  NodeWithOuster node;
+  node.send_metadata();
+  const auto imu = connected_publisher<OusterPacketMessage>("/ouster/imu_packets");
+  for (int turn = 0; turn < 5; ++turn) node.send_turn(turn, imu);
+  ASSERT_TRUE(node.synced().wait_for(5)) << node.node().output();
+  for (const auto& message : node.synced().messages) expect_a_turn(message);
+  EXPECT_TRUE(node.synced_imu().wait_for(1)) << node.node().output();
+}
+
+/// Of a topic that was renamed the type says what it holds.
+TEST(PreprocessingNodeWithDriver, ReadsPacketsOfAnOusterThatComeBeforeTheirMetadata) {
+  NodeWithOuster node("/roof/points", {"imu:=/roof/gyro"});
+  const auto imu = connected_publisher<OusterPacketMessage>("/roof/gyro");
+  for (int turn = 0; turn < 3; ++turn) node.send_turn(turn, imu);
+  EXPECT_TRUE(node.synced().messages.empty());
+  node.send_metadata();
+  for (int turn = 3; turn < 600 && node.synced().messages.size() < 5; ++turn) {
+    node.send_turn(turn, imu);
+  }
+  ASSERT_GE(node.synced().messages.size(), 5U) << node.node().output();
+  for (const auto& message : node.synced().messages) expect_a_turn(message);
+  EXPECT_TRUE(node.synced_imu().wait_for(1)) << node.node().output();
+}
+
+TEST(PreprocessingNodeWithDriver, NamesTheMissingMetadataOfAnOuster) {
+  Diagnostics diagnostics("/diagnostics");
+  NodeWithOuster node;
+  int turn = 0;
+  const auto send_until = [&](const std::function<bool()>& condition) {
+    for (int i = 0; i < 600 && !condition(); ++i) node.send_turn(turn++);
+    return condition();
+  };
+  const std::string line =
+      "no scans yet: packets of an Ouster come on /ouster/lidar_packets, but no metadata that can "
+      "be used on /ouster/metadata";
+  ASSERT_TRUE(send_until([&] { return node.node().says(line); })) << node.node().output();
+  EXPECT_TRUE(reports(diagnostics, "packets before the metadata", "[1-9][0-9]*"));
+  node.send_metadata();
+  EXPECT_TRUE(send_until([&] { return !node.synced().messages.empty(); })) << node.node().output();
+  EXPECT_EQ(node.node().count(line), 1U) << node.node().output();
+}
+
+TEST(PreprocessingNodeWithDriver, CountsPacketsOfAnOusterThatAreInNoCloud) {
+  Diagnostics diagnostics("/diagnostics");
+  NodeWithOuster node;
+  node.send_metadata();
+  for (int turn = 0; turn < 3; ++turn) node.send_turn(turn);
+  node.send_packet(1, 7);
+  node.send_turn(3, 5);
+  EXPECT_TRUE(reports(diagnostics, "packets late", "1"));
+  EXPECT_TRUE(reports(diagnostics, "packets of an unfinished turn", "5"));
+  EXPECT_TRUE(wait_until([&] {
+    return diagnostics.messages.back().status.at(0).message ==
+           "packets left out: 1 late, 5 of an unfinished turn";
+  }));
+  EXPECT_TRUE(node.synced().wait_for(3)) << node.node().output();
+}
+
+/// An IMU that the vehicle has beside the LiDAR's.
+TEST(PreprocessingNodeWithDriver, PrefersTheTopicOfTheImuToThePacketsOfAnOuster) {
+  NodeWithOuster node;
+  node.send_metadata();
+  const auto packets = connected_publisher<OusterPacketMessage>("/ouster/imu_packets");
+  const auto imu = connected_publisher<sensor_msgs::Imu>("imu");
+  for (int turn = 0; turn < 5; ++turn) {
+    const Stamp now = ros_border::from_ros(ros::Time::now());
+    for (int sample = -9; sample <= 0; ++sample) {
+      sensor_msgs::Imu message;
+      message.header = ros_border::header_of(now + sample * kPeriod / 10, "os_lidar");
+      message.orientation_covariance[0] = -1.0;
+      message.angular_velocity.z = 1.0;
+      message.linear_acceleration.z = 9.81;
+      imu.publish(message);
+    }
+    node.send_turn(turn, packets);
+  }
+  ASSERT_TRUE(node.synced().wait_for(5)) << node.node().output();
+  EXPECT_TRUE(node.synced_imu().wait_for(1)) << node.node().output();
+  for (const auto& message : node.synced_imu().messages) {
+    EXPECT_NEAR(message.angular_velocity.z, 1.0, 0.1);
+  }
 }
 
 /// The check of the inputs ends after some seconds; damage does not.

@@ -179,14 +179,30 @@ TEST_F(OusterFeeds, PacketsWaitForTheMetadata) {
 }
 
 TEST_F(OusterFeeds, WhatWaitsTooLongIsCounted) {
-  constexpr std::size_t kWaiting = 1280;
-  for (std::size_t turn = 0; turn < kWaiting / 4; ++turn) add_turn(turn);
+  for (std::size_t turn = 0; turn < 20; ++turn) add_turn(turn);  // of 2 s
   EXPECT_EQ(feed_.losses().total(), 0U);
-  add_turn(kWaiting / 4);
+  add_turn(20);
+  EXPECT_EQ(feed_.losses().without_metadata, 3U);
+  add(21, 0);
   EXPECT_EQ(feed_.losses().without_metadata, 4U);
   set_metadata();
-  EXPECT_EQ(clouds_.size(), kWaiting / 4 - 1) << "the last turn has no end yet";
+  EXPECT_EQ(clouds_.size(), 20U) << "without the first";
   EXPECT_EQ(feed_.losses().total(), 4U);
+}
+
+TEST_F(OusterFeeds, ABoundedNumberOfPacketsWaits) {
+  constexpr std::size_t kWaiting = 2560;
+  const auto add_at_once = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      Packet one = packet(0, 0);
+      one.received = kBegin;
+      add(one);
+    }
+  };
+  add_at_once(kWaiting);
+  EXPECT_EQ(feed_.losses().total(), 0U);
+  add_at_once(3);
+  EXPECT_EQ(feed_.losses().without_metadata, 3U);
 }
 
 TEST_F(OusterFeeds, MetadataThatCannotBeUsedAreRefused) {

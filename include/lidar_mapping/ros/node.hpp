@@ -58,34 +58,40 @@ constexpr int kUnlimited = std::numeric_limits<int>::max();
 /// Length of such a queue of roscpp: 0 is no limit, by definition.
 constexpr std::uint32_t kUnlimitedQueue = 0;
 
+/// Subscribes `topic`; `arrived` is called for each message in the thread of the callbacks, which
+/// it must not hold up. Up to `transport_queue` messages may wait for that.
+template <typename Message>
+ros::Subscriber subscribe_arrivals(
+    NodeContext& context, const std::string& topic, std::uint32_t transport_queue,
+    const boost::function<void(const ros::MessageEvent<const Message>&)>& arrived) {
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(topic, transport_queue,
+                                                                          arrived);
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  return context.node.subscribe(options);
+}
+
 /// Subscribes `topic`; `handle` is called for each message in the worker's thread. Up to `capacity`
-/// messages may wait there. `arrived` is called for each message on arrival, also for those that
-/// are dropped later.
+/// messages may wait there.
 template <typename Message>
 ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
-                          Numbered numbered = Numbered::kNo,
-                          std::function<void(const Message&)> arrived = {}) {
+                          Numbered numbered = Numbered::kNo) {
   const auto channel = context.worker.add_channel(topic, static_cast<std::size_t>(capacity));
   auto gaps = std::make_shared<SequenceGaps>();
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
-      [&worker = context.worker, channel, numbered, gaps, handle = std::move(handle),
-       arrived = std::move(arrived)](const ros::MessageEvent<const Message>& event) {
+      [&worker = context.worker, channel, numbered, gaps,
+       handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
         const boost::shared_ptr<const Message> message = event.getConstMessage();
         if constexpr (ros::message_traits::HasHeader<Message>::value) {
           if (numbered == Numbered::kYes) {
             worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));
           }
         }
-        if (arrived) arrived(*message);
         worker.post(channel, [handle, message] { handle(message); });
       };
   const std::uint32_t transport_queue = capacity == kUnlimited ? kUnlimitedQueue : kTransportQueue;
-  ros::SubscribeOptions options;
-  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(topic, transport_queue,
-                                                                          callback);
-  options.transport_hints = ros::TransportHints().tcpNoDelay();
-  return context.node.subscribe(options);
+  return subscribe_arrivals<Message>(context, topic, transport_queue, callback);
 }
 
 /// Prints a line of a node that is shutting down, when roscpp's log has already ended.

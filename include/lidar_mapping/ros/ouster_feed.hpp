@@ -43,7 +43,7 @@ class OusterFeed {
   bool has_metadata() const;
 
   /// Takes a serialised message with a packet of points, which came at this time of ROS, ns; gives
-  /// the cloud that is complete with it. About a second of packets wait for the metadata. Throws
+  /// the cloud that is complete with it. Packets of two seconds wait for the metadata. Throws
   /// InputError for a damaged packet.
   std::optional<RecordedCloud> add_points(ByteRange message, Stamp received);
   /// The sample in a serialised message with a packet of the IMU, which came at this time of ROS,

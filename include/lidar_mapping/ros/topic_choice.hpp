@@ -10,6 +10,9 @@
 
 namespace lidar_mapping::ros_border {
 
+/// Topic of the IMU that the launch files name where the user names none.
+constexpr char kUsualImu[] = "/kitti/oxts/imu";
+
 /// Topics of the sensors; empty if there is none.
 struct SensorTopics {
   /// Of the main LiDAR, one of cloud_types(). As a request it may name several with commas between

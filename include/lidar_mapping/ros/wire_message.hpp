@@ -8,6 +8,7 @@
 
 #include <ros/message_traits.h>
 #include <ros/serialization.h>
+#include <ros/time.h>
 
 #include "lidar_mapping/ros/byte_range.hpp"
 
@@ -19,6 +20,7 @@ struct WireMessage {
   std::string type;                ///< package/Name
   std::string md5sum;              ///< of the definition
   std::vector<std::uint8_t> data;  ///< serialised
+  ros::Time received;              ///< when it came
 
   /// Where the data lie.
   ByteRange bytes() const { return {data.data(), data.size()}; }
@@ -27,6 +29,22 @@ struct WireMessage {
     std::uint32_t number = 0;
     if (data.size() >= sizeof number) std::memcpy(&number, data.data(), sizeof number);
     return number;
+  }
+  /// Whether the message is of this type and definition.
+  template <typename Message>
+  bool is() const {
+    return type == ros::message_traits::DataType<Message>::value() &&
+           md5sum == ros::message_traits::MD5Sum<Message>::value();
+  }
+  /// The message, which has to be of this type. Throws ros::Exception if it is damaged.
+  template <typename Message>
+  Message instantiate() const {
+    Message message;
+    // The library takes its input as uint8_t*, but leaves it as it is.
+    ros::serialization::IStream stream(const_cast<std::uint8_t*>(data.data()),
+                                       static_cast<std::uint32_t>(data.size()));
+    ros::serialization::deserialize(stream, message);
+    return message;
   }
 };
 
@@ -77,6 +95,7 @@ struct PreDeserialize<lidar_mapping::ros_border::WireMessage> {
       const PreDeserializeParams<lidar_mapping::ros_border::WireMessage>& parameters) {
     parameters.message->type = (*parameters.connection_header)["type"];
     parameters.message->md5sum = (*parameters.connection_header)["md5sum"];
+    parameters.message->received = ros::Time::now();
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preprocessing/input_watch.hpp"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <sensor_msgs/Imu.h>
 
 #include "lidar_mapping/ros/cloud_types.hpp"
+#include "lidar_mapping/ros/ouster_messages.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/silent_topic.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
@@ -34,9 +36,28 @@ OverlookedSensors optional_inputs(const ros::NodeHandle& node) {
   const auto input = [&](const char* name, const std::vector<std::string>& types) {
     return OptionalInput{name, node.resolveName(name), types};
   };
-  return {{input("imu", {ros::message_traits::DataType<sensor_msgs::Imu>::value()}),
+  return {{input("imu", {ros::message_traits::DataType<sensor_msgs::Imu>::value(), kOusterPacket}),
            input("velocity", VelocityMessages::types()), input("gnss", GnssMessages::types())},
           own_topics(node)};
+}
+
+/// Types of messages with points.
+std::vector<std::string> point_types() {
+  std::vector<std::string> types = cloud_type_names();
+  types.emplace_back(kOusterPacket);
+  return types;
+}
+
+/// Topics that are published now. All packets of an Ouster have one type: those of another kind
+/// than `kind` are left out, unless their topic is `subscribed`.
+std::vector<PublishedTopic> topics_with(const char* kind, const std::string& subscribed) {
+  std::vector<PublishedTopic> topics = published_topics();
+  const auto is_other = [&](const PublishedTopic& topic) {
+    return topic.type == kOusterPacket && topic.name != subscribed &&
+           ouster_name(topic.name, kind).empty();
+  };
+  topics.erase(std::remove_if(topics.begin(), topics.end(), is_other), topics.end());
+  return topics;
 }
 
 }  // namespace
@@ -62,20 +83,35 @@ void InputWatch::check_inputs() {
 /// Without this warning a sensor on another topic would be ignored silently, because only the
 /// points are required.
 void InputWatch::warn_of_overlooked_sensors() {
-  for (const auto& [input, line] : overlooked_.search(published_topics())) {
+  for (const auto& [input, line] :
+       overlooked_.search(topics_with(kOusterImu, context_.node.resolveName("imu")))) {
     ROS_WARN_STREAM(input << ": " << line);
     context_.diagnostics.set(input, line);
   }
 }
 
 void InputWatch::warn_without_scans() {
+  if (is_explained_) return;
   const ros::NodeHandle& node = context_.node;
-  std::string reason = why_silent(node.resolveName("points"), cloud_type_names(),
-                                  published_topics(), own_topics(node), "points");
+  const std::string points = node.resolveName("points");
+  std::string reason = why_silent(points, point_types(), topics_with(kOusterPoints, points),
+                                  own_topics(node), "points");
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";
   }
-  if (has_scans_ || std::exchange(last_reason_, reason) == reason) return;
+  warn_of(reason);
+}
+
+void InputWatch::explain(const std::string& reason) {
+  is_explained_ = true;
+  warn_of(reason);
+}
+
+void InputWatch::warn_of(const std::string& reason) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (has_scans_ || std::exchange(last_reason_, reason) == reason) return;
+  }
   ROS_WARN_STREAM("no scans yet: " << reason);
   context_.diagnostics.set_state(Diagnostics::Level::kWarning, reason);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 #include <string>
 
 #include <ros/wall_timer.h>
@@ -23,16 +24,22 @@ class InputWatch {
   void mark_scan() { has_scans_ = true; }
   /// Records that a message of an optional input was received. Any thread may call it.
   void mark_received(const std::string& input) { overlooked_.mark_received(input); }
+  /// Warns at once of a reason for missing scans, which then stands for what the topics say. Any
+  /// thread may call it.
+  void explain(const std::string& reason);
 
  private:
   void check_inputs();
   void warn_without_scans();
+  void warn_of(const std::string& reason);
   void warn_of_overlooked_sensors();
 
   NodeContext& context_;
   OverlookedSensors overlooked_;
   std::atomic<bool> has_scans_{false};
-  std::string last_reason_;  ///< reason for missing scans that was logged last
+  std::atomic<bool> is_explained_{false};  ///< why there are no scans
+  std::mutex mutex_;
+  std::string last_reason_;  ///< reason for missing scans that was logged last; guarded by mutex_
   int searches_ = 0;
   Worker search_worker_;  ///< queries the ROS master, which may be slow
   Worker::ChannelId searching_;

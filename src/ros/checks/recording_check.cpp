@@ -15,6 +15,7 @@
 #include "lidar_mapping/ros/cloud_types.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/moving_frame.hpp"
+#include "lidar_mapping/ros/ouster_messages.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
@@ -32,7 +33,7 @@ using preprocessing::Severity;
 
 /// Types of messages with raw data of a LiDAR instead of a cloud, and how to convert them.
 const std::map<std::string, std::string> kRawScans = {
-    {"ouster_ros/PacketMsg",
+    {kOusterPacket,
      "record the driver's topic metadata beside them, or convert them with ouster_ros's "
      "replay.launch"},
     {"hesai_ros_driver/UdpFrame", "convert them with hesai_ros_driver (source_type 3)"},

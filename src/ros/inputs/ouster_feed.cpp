@@ -17,10 +17,12 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Largest number of packets that wait for the metadata. Chosen: a second of 2048 columns ten times
-/// a second, with 16 columns in a packet; links to the driver's topics are up before, and that is
-/// 40 MB at most.
-constexpr std::size_t kMostWaiting = 1280;
+/// Longest time that a packet waits for the metadata, s. Chosen: links to the driver's topics are
+/// up before.
+constexpr double kLongestWait = 2.0;
+/// Largest number of packets that wait. Chosen: as many come in that time with 2048 columns ten
+/// times a second and 16 columns in a packet, and they have less than 100 MB.
+constexpr std::size_t kMostWaiting = 2560;
 
 /// A packet that waits for the metadata.
 struct WaitingPacket {
@@ -115,7 +117,9 @@ std::optional<RecordedCloud> OusterFeed::Impl::add_packet(ByteRange packet, Stam
 }
 
 void OusterFeed::Impl::wait(ByteRange packet, Stamp received) {
-  if (waiting.size() == kMostWaiting) {
+  const Stamp longest = from_seconds(kLongestWait);
+  while (!waiting.empty() &&
+         (waiting.size() == kMostWaiting || received - waiting.front().received > longest)) {
     waiting.pop_front();
     ++losses.without_metadata;
   }

@@ -131,7 +131,7 @@ SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
   }
   resolve_topic(wanted.points, "/kitti/velo/pointcloud", cloud_type_names(), bags);
   check_definition(wanted.points, bags);
-  resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
+  resolve_topic(wanted.imu, kUsualImu, {"sensor_msgs/Imu"}, bags);
   resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", VelocityMessages::types(), bags);
   resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", GnssMessages::types(), bags);
   const auto fill = [](std::string& topic, const std::vector<std::string>& found) {
