@@ -215,5 +215,20 @@ TEST(WireMessage, TakesTheBytesAndTheNumber) {
   EXPECT_EQ(message.sequence(), 42U);
 }
 
+TEST(WireMessage, GivesAMessageOfItsType) {
+  namespace traits = ros::message_traits;
+  const sensor_msgs::PointCloud2 cloud = example();
+  WireMessage message;
+  message.type = traits::DataType<sensor_msgs::PointCloud2>::value();
+  message.data = serialized(cloud);
+  EXPECT_FALSE(message.is<sensor_msgs::PointCloud2>()) << "another definition";
+  message.md5sum = traits::MD5Sum<sensor_msgs::PointCloud2>::value();
+  EXPECT_TRUE(message.is<sensor_msgs::PointCloud2>());
+  EXPECT_FALSE(message.is<sensor_msgs::PointCloud>());
+  EXPECT_EQ(message.instantiate<sensor_msgs::PointCloud2>(), cloud);
+  message.data.pop_back();
+  EXPECT_THROW(message.instantiate<sensor_msgs::PointCloud2>(), ros::Exception);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::ros_border
