@@ -13,7 +13,8 @@ namespace {
 constexpr double kWay = 10.0;
 /// m between the matches that are kept. Chosen: the edge of a voxel.
 constexpr double kSpacing = 1.0;
-/// m on which two matches are not compared either: the map was left in between.
+/// m on which two matches are not compared either: the map was left in between. Chosen: more than
+/// the way and the spacing.
 constexpr double kLongestWay = 12.0;
 /// Comparisons over which the means are taken. Chosen: a map may be worse elsewhere.
 constexpr double kGreatestWeight = 50.0;

@@ -41,14 +41,14 @@ bool leaves_its_way(const Walk& walk, std::uint64_t seed) {
 class HandHeld : public testing::TestWithParam<Walk> {};
 
 // Corridors and rooms, turns of 1.5 rad/s, two scans a second: a step of the way, a tenth of it
-// seen. One walk in twenty goes wrong, and which one is a matter of the last bits of its scans:
-// of 8 walks two may.
+// seen. One walk in twenty goes wrong with 16 beams, one in six with 64, and which one is a matter
+// of the last bits of its scans. One of five may.
 TEST_P(HandHeld, IsTrackedAtTwoScansASecond) {
   std::vector<std::uint64_t> left;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     if (leaves_its_way(GetParam(), seed)) left.push_back(seed);
   }
-  EXPECT_LE(left.size(), 2U) << testing::PrintToString(left);
+  EXPECT_LE(left.size(), 1U) << testing::PrintToString(left);
 }
 
 INSTANTIATE_TEST_SUITE_P(Walks, HandHeld,

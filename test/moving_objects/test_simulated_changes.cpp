@@ -121,10 +121,17 @@ class TwoDays : public CloudSource {
     std::vector<int> views(points_map.size());
     for (const KeyFramePose& pose : days_[1].poses.poses) {
       const Eigen::Vector3d sensor = pose.T_map_base * p_base_sensor();
-      const std::vector<float> beyond = worlds_[1].beyond(sensor, points_map);
+      PointCloud near;
+      std::vector<std::size_t> indices;
       for (std::size_t i = 0; i < views.size(); ++i) {
         const Eigen::Vector3d p = points_map.points[i].position().cast<double>();
-        views[i] += beyond[i] > kGone + 0.5F && (p - sensor).norm() < kReach ? 1 : 0;
+        if ((p - sensor).norm() >= kReach) continue;
+        near.points.push_back(points_map.points[i]);
+        indices.push_back(i);
+      }
+      const std::vector<float> beyond = worlds_[1].beyond(sensor, near);
+      for (std::size_t i = 0; i < indices.size(); ++i) {
+        views[indices[i]] += beyond[i] > kGone + 0.5F ? 1 : 0;
       }
     }
     return views;
@@ -181,7 +188,8 @@ Figures measured(TwoDays& town) {
     const PointCloudPtr all = town.cloud(pose.index);
     const PointCloudPtr kept = current.cloud(pose.index);
     const std::vector<float> beyond = town.beyond_on_other_day(pose.index);
-    const std::vector<int> views = town.views_through(transformed(*all, pose.T_map_base));
+    PointCloud away;  // on no surface of the other day
+    std::vector<double> away_kept;
     std::size_t next = 0;
     for (std::size_t i = 0; i < all->size(); ++i) {
       const bool is_kept =
@@ -190,10 +198,16 @@ Figures measured(TwoDays& town) {
       if (std::abs(beyond[i]) < kSame) {
         standing += 1.0;
         standing_kept += is_kept ? 1.0 : 0.0;
-      } else if (beyond[i] > kGone && views[i] >= kViews) {
-        gone += 1.0;
-        gone_kept += is_kept ? 1.0 : 0.0;
+      } else if (beyond[i] > kGone) {
+        away.points.push_back(all->points[i]);
+        away_kept.push_back(is_kept ? 1.0 : 0.0);
       }
+    }
+    const std::vector<int> views = town.views_through(transformed(away, pose.T_map_base));
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (views[i] < kViews) continue;
+      gone += 1.0;
+      gone_kept += away_kept[i];
     }
   }
   Figures figures{1.0 - gone_kept / gone, 1.0 - standing_kept / standing, 0, 0};
