@@ -82,8 +82,9 @@ def tail(text, lines=12):
     return '\n'.join('    ' + line for line in text.rstrip().splitlines()[-lines:])
 
 
-# rviz 1.14 itself may end by a signal when it is asked to end, and very rarely while it shows something, most often on
-# a busy machine. A block in which it does the latter is run once more.
+# rviz 1.14 itself may end by a signal when it is asked to end, and rarely while it shows something, most often on a busy
+# machine. A block in which it does the latter is run again, up to so many times.
+RVIZ_CRASHES_BORNE = 2
 RVIZ_CRASHES = re.compile(r'^.*\[rviz-\d+\] process has died \[pid \d+, exit code -11\b.*$', re.MULTILINE)
 
 
@@ -297,10 +298,11 @@ class Commands:
                 self._run_block(commands, folder, rviz_may_crash=False)
                 continue
             with snapshot(folder, pathlib.Path(self.environment['HOME'])) as restore:
-                if self._run_block(commands, folder, rviz_may_crash=True):
-                    print(f'{commands[0]}\n  rviz ended by signal 11: the block is run once more', flush=True)
+                crashes = 0
+                while self._run_block(commands, folder, rviz_may_crash=crashes < RVIZ_CRASHES_BORNE):
+                    crashes += 1
+                    print(f'{commands[0]}\n  rviz ended by signal 11: the block is run again', flush=True)
                     restore()
-                    self._run_block(commands, folder, rviz_may_crash=False)
 
     def _run_block(self, commands, folder, rviz_may_crash):
         """Whether rviz crashed, where it may."""
