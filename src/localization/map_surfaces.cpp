@@ -59,6 +59,9 @@ void MapSurfaces::insert(const PointCloud& cloud, const Pose& T_map_base,
   const Coordinates points = near_points(cloud, T_origin_base, p_base_lidar.cast<float>());
   const Eigen::Vector3f viewpoint = (T_origin_base * p_base_lidar).cast<float>();
   fine_.insert(points.x.data(), points.y.data(), points.z.data(), points.x.size(), viewpoint);
+  // Else the floor of a storey and the ceiling below it would be one surface in the middle.
+  fine_.update_planes(points.x.data(), points.y.data(), points.z.data(), points.x.size(),
+                      viewpoint);
   coarse_.insert(points.x.data(), points.y.data(), points.z.data(), points.x.size());
 }
 

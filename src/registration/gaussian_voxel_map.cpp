@@ -161,6 +161,14 @@ void GaussianVoxelMap::insert(const float* x, const float* y, const float* z, st
   }
 }
 
+void GaussianVoxelMap::update_planes(const float* x, const float* y, const float* z,
+                                     std::size_t count, const Eigen::Vector3f& viewpoint) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f p(x[i], y[i], z[i]);
+    with_plane(slot_of(voxel_index(p * inverse_resolution_)), viewpoint - p);
+  }
+}
+
 void GaussianVoxelMap::remove_beyond(const Eigen::Vector3f& center, float radius, double fraction) {
   const auto edge = static_cast<float>(resolution_);
   table_.sweep(fraction, [&](VoxelKey key) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 #include "hypothesis.hpp"
 #include "near.hpp"
 #include "toy_map.hpp"
@@ -51,6 +53,41 @@ TEST_F(Matching, FindsThePoseAndItsCovariance) {
   EXPECT_TRUE(near(found.estimate.T_map_base, truth, 0.05, 0.003));
   EXPECT_TRUE(is_valid_covariance(found.estimate.covariance));
   EXPECT_EQ(evidence_of(found), Evidence::kAgrees);
+}
+
+/// A level plate of 20 m at this height as a cloud in base_link.
+PointCloud plate_seen_from(const Pose& T_map_base, float height) {
+  PointCloud cloud;
+  for (float x = -10.0F; x < 10.0F; x += 0.25F) {
+    for (float y = -10.0F; y < 10.0F; y += 0.25F) {
+      const Eigen::Vector3d p = T_map_base.inverse() * Eigen::Vector3d(x, y, height);
+      Point point;
+      point.x = static_cast<float>(p.x());
+      point.y = static_cast<float>(p.y());
+      point.z = static_cast<float>(p.z());
+      cloud.points.push_back(point);
+    }
+  }
+  return cloud;
+}
+
+// A car park: the ceiling of the lower storey is 0.25 m below the floor of the upper one. A vehicle
+// on the upper one was placed 0.1 m too low.
+TEST(MapSurfaces, KeepTheSidesOfASlabApart) {
+  MapSurfaces surfaces(1 << 12);
+  const Pose lower = planar(0.0, 0.0, 0.0);
+  Pose upper = lower;
+  upper.translation.z() = 3.6;
+  const Eigen::Vector3d p_base_lidar(0.0, 0.0, 1.7);
+  surfaces.insert(plate_seen_from(lower, 3.35F), lower, p_base_lidar);
+  surfaces.insert(plate_seen_from(upper, 3.6F), upper, p_base_lidar);
+  const Eigen::Vector3f point =
+      (Eigen::Vector3d(2.5, 2.5, 3.6) - surfaces.fine().origin()).cast<float>();
+  const VoxelIndex cell = voxel_index(point / static_cast<float>(surfaces.fine().resolution()));
+  const auto plane = surfaces.fine().plane(cell, surfaces.fine().slot_of(cell),
+                                           Eigen::Vector3f(-2.5F, -2.5F, 1.7F));
+  ASSERT_GT(plane.normal.norm(), 0.0F);
+  EXPECT_NEAR(plane.offset / plane.normal.z(), point.z(), 0.01F);
 }
 
 TEST_F(Matching, FindsAPoseFurtherAwayIfThePredictionIsUncertain) {

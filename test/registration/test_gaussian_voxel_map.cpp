@@ -141,6 +141,19 @@ TEST(GaussianVoxelMap, KeepsFloorAndCeilingOfASlabApart) {
   EXPECT_NEAR(height_seen(level, map).value_or(0.0F), 0.4F, 0.01F);
 }
 
+// A map that is made without any match would have one plane in the middle of the slab.
+TEST(GaussianVoxelMap, KeepsThemApartWithoutAMatchIfItsPlanesAreUpdated) {
+  GaussianVoxelMap map(1.0, 64);
+  const Eigen::Vector3f below(-3.0F, 0.5F, -0.5F);
+  const Eigen::Vector3f above(-3.0F, 0.5F, 2.5F);
+  const Eigen::Vector3f seen(0.5F, 0.5F, 0.4F);
+  insert_plate(0.4F, below, 1, map);
+  map.update_planes(&seen.x(), &seen.y(), &seen.z(), 1, below);
+  insert_plate(0.65F, above, 2, map);
+  EXPECT_NEAR(height_seen(above, map).value_or(0.0F), 0.65F, 0.01F);
+  EXPECT_NEAR(height_seen(below, map).value_or(0.0F), 0.4F, 0.01F);
+}
+
 // What is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
 TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
   GaussianVoxelMap map(1.0, 4096);

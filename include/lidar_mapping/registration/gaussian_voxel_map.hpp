@@ -85,6 +85,10 @@ class GaussianVoxelMap {
   /// which the full table has no voxel are dropped and counted.
   void insert(const float* x, const float* y, const float* z, std::size_t count,
               const std::optional<Eigen::Vector3f>& viewpoint = std::nullopt);
+  /// Computes the planes of the voxels that these points are in, as a match with them does. A voxel
+  /// has two sides only behind that: what is inserted before any match has to be followed by it.
+  void update_planes(const float* x, const float* y, const float* z, std::size_t count,
+                     const Eigen::Vector3f& viewpoint);
   /// Visits the next `fraction` (0 to 1) of the table and removes voxels farther than `radius` from
   /// `center` (m, relative to the origin).
   void remove_beyond(const Eigen::Vector3f& center, float radius, double fraction);
