@@ -54,6 +54,11 @@ TEST(ScanMotion, CoversItsSpanAndIsConstantBeyond) {
   EXPECT_TRUE(near(motion.at(-9.0), motion.at(motion.begin), 1e-12));
 }
 
+TEST(ScanMotion, IsThatOfTheEndAtATimeThatIsNotANumber) {
+  const ScanMotion motion = circle(-0.05, 0.1);
+  EXPECT_TRUE(near(motion.at(std::nan("")), motion.T_stamp_knot.back(), 1e-15));
+}
+
 TEST(ScanMotion, HasTwoKnotsEvenOfAnInstant) {
   const ScanMotion motion = circle(0.0, 0.0);
   EXPECT_GE(motion.T_stamp_knot.size(), 2U);

@@ -18,7 +18,9 @@ struct ScanMotion {
   double step = 0.0;               ///< from knot to knot, s
   std::vector<Pose> T_stamp_knot;  ///< two or more
 
-  /// Linear interpolation between the knots; constant beyond the ends.
+  /// Linear interpolation between the knots; constant beyond the ends. At a time that is not a
+  /// number it is the last knot, as in UnevenTurning; points with such a time are dropped before
+  /// (keep_and_deskew()).
   Pose at(double time) const;
 };
 
