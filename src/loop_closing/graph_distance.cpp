@@ -10,9 +10,6 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kUnconnected = std::numeric_limits<double>::infinity();
-// Number of loops in a row along one shortest path. Chosen: bounds the rounds of the search, and
-// each loop adds an error of its own.
-constexpr int kMaxLoopsPerPath = 8;
 
 /// Lowers `distance` to the distance via a neighbour, if that is smaller. Returns true if it was.
 bool relax(double& distance, double via_neighbour) {
@@ -39,8 +36,10 @@ void GraphDistance::update_loops(const std::vector<LoopEdge>& links) {
   std::fill(distance_.begin(), distance_.end(), kUnconnected);
   distance_.back() = 0.0;
   travelled_since_update_ = 0.0;
+  // A shortest path has fewer edges than there are nodes, and a round follows at least one more of
+  // them. Most ways through loops need a handful of rounds.
   bool changed = true;
-  for (int round = 0; round < kMaxLoopsPerPath && changed; ++round) {
+  for (std::size_t round = 0; round < distance_.size() && changed; ++round) {
     changed = false;
     for (std::size_t i = distance_.size() - 1; i > 0; --i) {
       changed |= relax(distance_[i - 1], distance_[i] + step_[i]);

@@ -92,6 +92,23 @@ TEST(GraphDistance, IsTheShortestPathThroughLoops) {
   EXPECT_DOUBLE_EQ(graph_distance.to(101), 0.0);
 }
 
+// Segments in a row, each with two key frames and tied to the next by one loop. In this order of
+// the loops a round follows only one of them.
+TEST(GraphDistance, FollowsAnyNumberOfLoops) {
+  constexpr std::size_t kSegments = 30;
+  GraphDistance graph_distance;
+  std::vector<GraphDistance::LoopEdge> links;
+  for (std::size_t segment = 0; segment < kSegments; ++segment) {
+    graph_distance.append(std::numeric_limits<double>::infinity());
+    graph_distance.append(2.0);
+    if (segment > 0) links.emplace_back(2 * segment - 2, 2 * segment + 1);
+  }
+  graph_distance.update_loops(links);
+  EXPECT_DOUBLE_EQ(graph_distance.to(2 * kSegments - 4), 0.0);
+  EXPECT_DOUBLE_EQ(graph_distance.to(0), 2.0 * (kSegments - 2));
+  EXPECT_DOUBLE_EQ(graph_distance.to(1), 2.0 * (kSegments - 1));
+}
+
 TEST(GraphDistance, IsInfiniteBetweenSegmentsWithoutALoop) {
   const double none = std::numeric_limits<double>::infinity();
   GraphDistance graph_distance;
