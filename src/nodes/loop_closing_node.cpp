@@ -14,6 +14,8 @@
 #include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
+#include "unclaimed_positions.hpp"
+
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -77,6 +79,7 @@ class LoopClosingNode {
   std::size_t runs_ = 0;
   std::unique_ptr<Run> run_;
   KeyFrameClient back_end_;
+  UnclaimedPositions gnss_;
   std::optional<RunState> stored_run_;  ///< of a resumed run, until its key frames are restored
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
@@ -108,6 +111,7 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
 void LoopClosingNode::begin_run(const std::string& run_id) {
   run_id_ = run_id;
   run_ = std::make_unique<Run>(config_, scratch_.path() / std::to_string(++runs_));
+  for (const GnssPosition& position : gnss_.positions()) run_->closer.add_gnss(position);
   stored_run_ = back_end_.run();
   if (stored_run_ && stored_run_->run_id != run_id) stored_run_.reset();
 }
@@ -134,6 +138,7 @@ void LoopClosingNode::add_key_frame(const RunKeyFrame& received) {
   } else {
     publish(run_->closer.process(key_frame));
   }
+  gnss_.drop_until(key_frame.stamp);
   context_.diagnostics.count_output(key_frame.stamp);
   report();
 }
@@ -149,10 +154,12 @@ void LoopClosingNode::update_poses(const KeyFramePosesMessage& message) {
 }
 
 void LoopClosingNode::add_gnss(const nav_msgs::Odometry& message) {
-  if (!run_) return;
   const auto T_base_antenna =
       sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
-  if (T_base_antenna) run_->closer.add_gnss(from_message(message, T_base_antenna->translation));
+  if (!T_base_antenna) return;
+  const GnssPosition position = from_message(message, T_base_antenna->translation);
+  gnss_.add(position);
+  if (run_) run_->closer.add_gnss(position);
 }
 
 void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {
