@@ -98,6 +98,7 @@ class BagInput::Impl {
     if (held_) return merged(std::nullopt);
     if (std::exchange(ended_, true)) return std::nullopt;
     report_missed_clouds();
+    report_late_packets();
     if (damaged() == 0) return std::nullopt;
     report_damage();
     messages_.push_back("damaged places of the recording that were left out: " +
@@ -239,6 +240,13 @@ class BagInput::Impl {
       messages_.push_back(std::to_string(scans) + " scans have no points of " + topic +
                           ": it has no clouds at their time");
     }
+  }
+
+  void report_late_packets() {
+    const std::size_t late = stream_->late_packets();
+    if (late == 0) return;
+    messages_.push_back("packets of the sensor that came behind their turn and were left out: " +
+                        std::to_string(late));
   }
 
   preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp, PointCloud buffer) const {

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <std_msgs/String.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "bag_input.hpp"
+#include "ouster_packet_message.hpp"
+#include "ouster_turn.hpp"
 #include "ros2_writer.hpp"
 #include "temporary_folder.hpp"
 
@@ -27,6 +33,42 @@ TEST(BagInput, ReadsOnBehindATimeOfRecordingThatIsNone) {
   std::size_t count = 0;
   while (input.next()) ++count;
   EXPECT_EQ(count, 3U);
+}
+
+/// Records packets of two turns of an Ouster, and the last one of the first turn once more behind
+/// the first one of the second.
+void record_a_late_packet(const std::string& path) {
+  constexpr Stamp kBegin = 1'700'000'000'000'000'000;  // ns
+  const test::OusterSensor sensor = test::small_ouster();
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  std_msgs::String metadata;
+  metadata.data = sensor.metadata();
+  bag.write("/os/metadata", ros_border::to_ros(kBegin), metadata);
+  Stamp recorded = kBegin;
+  const auto record = [&](std::uint16_t turn, std::size_t index) {
+    test::OusterPacketMessage message;
+    message.buf = test::packet_of_turn(
+        sensor, turn, index, static_cast<std::uint64_t>(kBegin) + turn * test::kOusterTurn);
+    recorded += from_seconds(0.025);
+    bag.write("/os/lidar_packets", ros_border::to_ros(recorded), message);
+  };
+  for (std::size_t index = 0; index < 4; ++index) record(0, index);
+  record(1, 0);
+  record(0, 3);
+  for (std::size_t index = 1; index < 4; ++index) record(1, index);
+}
+
+TEST(BagInput, SaysHowManyPacketsCameLate) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "drive.bag").string();
+  record_a_late_packet(path);
+  BagInput input({path}, {}, "base_link", {});
+  std::size_t scans = 0;
+  while (input.next()) ++scans;
+  EXPECT_EQ(scans, 2U);
+  EXPECT_EQ(input.take_messages(),
+            std::vector<std::string>{
+                "packets of the sensor that came behind their turn and were left out: 1"});
 }
 
 }  // namespace

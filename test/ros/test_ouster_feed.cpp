@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,8 @@
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/ouster_feed.hpp"
+#include "lidar_mapping/ros/recording_check.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
 
 #include "ouster_packet_message.hpp"
 #include "ouster_turn.hpp"
@@ -73,8 +76,14 @@ class OusterFeeds : public testing::Test {
     return widths;
   }
 
+  /// One packet comes again, behind the first one of the next turn.
+  BagSet recording_with_a_late_packet() const {
+    std::vector<Packet> late = {packet(0, 3)};
+    late.back().received = packet(1, 0).received + 1;
+    return recording(late);
+  }
   /// What a recording of the same packets gives.
-  BagSet recording() const {
+  BagSet recording(const std::vector<Packet>& others = {}) const {
     const std::string path = folder_.path() / "drive.bag";
     rosbag::Bag bag(path, rosbag::bagmode::Write);
     std_msgs::String metadata;
@@ -87,6 +96,9 @@ class OusterFeeds : public testing::Test {
         const Packet points = packet(turn, i);
         bag.write("/os/lidar_packets", to_ros(points.received), points.message);
       }
+    }
+    for (const Packet& other : others) {
+      bag.write("/os/lidar_packets", to_ros(other.received), other.message);
     }
     bag.close();
     return BagSet({path});
@@ -240,6 +252,32 @@ TEST_F(OusterFeeds, DamagedLateAndUnfinishedOnesAreCounted) {
   finish();
   EXPECT_EQ(feed_.losses().unfinished, 0U) << "it came";
   EXPECT_EQ(widths(), (std::vector<std::uint32_t>{64, 48}));
+}
+
+TEST_F(OusterFeeds, LatePacketsOfARecordingAreCounted) {
+  const auto late_in = [](const BagSet& bags) {
+    BagStream messages = bags.messages_of({"/os/lidar_packets"});
+    while (messages.next()) {
+    }
+    return messages.late_packets();
+  };
+  EXPECT_EQ(late_in(recording()), 0U);
+  EXPECT_EQ(late_in(recording_with_a_late_packet()), 1U);
+}
+
+TEST_F(OusterFeeds, TheCheckOfARecordingNamesLatePackets) {
+  const auto names_late_packets = [](const BagSet& bags) {
+    RecordingCheck recording;
+    recording.bags = &bags;
+    recording.topics = topics_in(bags);
+    const auto reports = check(recording, {});
+    const auto& found = reports.front().diagnostics;
+    return std::any_of(found.begin(), found.end(), [](const auto& diagnostic) {
+      return diagnostic.text == "1 packets of the sensor came behind their turn";
+    });
+  };
+  EXPECT_FALSE(names_late_packets(recording()));
+  EXPECT_TRUE(names_late_packets(recording_with_a_late_packet()));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -85,6 +86,9 @@ class BagStream {
   std::optional<BagMessage> next();
   /// Damage that was found so far; damaged parts are left out.
   const BagDamage& damage() const { return damage_; }
+  /// Number of packets of an Ouster so far that came when their turn had been given out; they are
+  /// left out.
+  std::size_t late_packets() const;
   /// Skips to the first message that was recorded at or after `stamp`.
   void skip_to(Stamp stamp);
 

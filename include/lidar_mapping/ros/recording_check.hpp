@@ -22,7 +22,8 @@ struct RecordingCheck {
 /// Checks the messages of a recording and reports, for points, imu, velocity and gnss in this
 /// order, what was received and its faults: see preprocessing::InputValidator. Transforms are read
 /// from /tf and /tf_static. Damaged parts of the bags are left out and reported as a fault of the
-/// points. Throws FileError if a bag cannot be read at all.
+/// points, packets of an Ouster that came late as a warning. Throws FileError if a bag cannot be
+/// read at all.
 std::vector<preprocessing::InputReport> check(const RecordingCheck& recording,
                                               const preprocessing::PreprocessingConfig& config);
 

@@ -148,6 +148,8 @@ void BagStream::add_damage(Stamp stamp, const FileError& error) {
   damage_.reason = error.what();
 }
 
+std::size_t BagStream::late_packets() const { return ousters_ ? ousters_->late_packets() : 0; }
+
 void BagStream::skip_to(Stamp stamp) {
   // s; chosen: longer than any turn, so that one that ends behind the stamp is whole.
   constexpr double kTurn = 1.0;

@@ -171,6 +171,8 @@ class RecordingValidator {
     if (damage.places > 0) damage_ = damage.reason;
     damaged_ += damage.places;
   }
+  /// Adds packets of an Ouster that came when their turn had been given out.
+  void add_late_packets(std::size_t count) { late_packets_ += count; }
 
   std::vector<InputReport> reports() const {
     auto reports =
@@ -184,6 +186,12 @@ class RecordingValidator {
           {Severity::kFault,
            std::to_string(unreadable_) + " clouds cannot be read, first " + problem_,
            "they are dropped"});
+    }
+    if (late_packets_ > 0) {
+      reports.front().diagnostics.push_back(
+          {Severity::kWarning,
+           std::to_string(late_packets_) + " packets of the sensor came behind their turn",
+           "they are left out; look at the network between sensor and computer"});
     }
     if (damaged_ > 0) {
       reports.front().diagnostics.push_back(
@@ -210,6 +218,7 @@ class RecordingValidator {
   std::string problem_;  ///< reason of the first of them
   preprocessing::SentenceCheck sentences_;
   std::string no_gga_;  ///< what is wrong with the sentences of the receiver
+  std::size_t late_packets_ = 0;
   std::size_t damaged_ = 0;
   std::string damage_;  ///< reason of one of them
 };
@@ -228,6 +237,7 @@ std::vector<InputReport> check(const RecordingCheck& recording,
     validator.add(*message);
   }
   validator.add(messages.damage());
+  validator.add_late_packets(messages.late_packets());
   std::vector<InputReport> reports = validator.reports();
   reports.front().found += other_clouds(recording) + unused_topics(*recording.bags);
   if (const auto moving = moving_clouds_in(recording)) {

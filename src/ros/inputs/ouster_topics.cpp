@@ -202,4 +202,12 @@ std::optional<BagMessage> OusterTopics::finish() {
   return std::nullopt;
 }
 
+std::size_t OusterTopics::late_packets() const {
+  std::size_t late = 0;
+  for (const auto& [name, sensor] : sensors_) {
+    if (sensor.turns) late += sensor.turns->late_packets();
+  }
+  return late;
+}
+
 }  // namespace lidar_mapping::ros_border

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <map>
 #include <optional>
@@ -36,6 +37,9 @@ class OusterTopics {
   std::optional<BagMessage> add(const BagMessage& message);
   /// The turns that are left at the end, one at a call.
   std::optional<BagMessage> finish();
+
+  /// Number of packets so far that came when their turn had been given out, and are left out.
+  std::size_t late_packets() const;
 
  private:
   struct Sensor {
