@@ -254,6 +254,31 @@ TEST_F(OusterFeeds, DamagedLateAndUnfinishedOnesAreCounted) {
   EXPECT_EQ(widths(), (std::vector<std::uint32_t>{64, 48}));
 }
 
+TEST_F(OusterFeeds, PacketsOfTheTurnBeforeOtherMetadataAreCounted) {
+  set_metadata();
+  add_turn(0);
+  for (const std::size_t index : {0U, 1U}) add(1, index);
+  EXPECT_EQ(feed_.set_metadata(sensor_.metadata() + " ").size(), 0U);
+  EXPECT_EQ(feed_.losses().unfinished, 2U);
+  add_turn(2);
+  add(3, 0);
+  EXPECT_EQ(feed_.losses().unfinished, 2U) << "these never get their end";
+  finish();
+  EXPECT_EQ(feed_.losses().unfinished, 3U);
+  EXPECT_EQ(feed_.losses().total(), 3U);
+  EXPECT_EQ(widths(), (std::vector<std::uint32_t>{64, 64}));
+}
+
+TEST_F(OusterFeeds, AWholeTurnBeforeOtherMetadataIsGivenOut) {
+  set_metadata();
+  add_turn(0);
+  EXPECT_TRUE(clouds_.empty());
+  const std::vector<RecordedCloud> clouds = feed_.set_metadata(sensor_.metadata() + " ");
+  ASSERT_EQ(clouds.size(), 1U);
+  EXPECT_EQ(clouds.front().message.width, 64U);
+  EXPECT_EQ(feed_.losses().total(), 0U);
+}
+
 TEST_F(OusterFeeds, LatePacketsOfARecordingAreCounted) {
   const auto late_in = [](const BagSet& bags) {
     BagStream messages = bags.messages_of({"/os/lidar_packets"});

@@ -20,7 +20,8 @@ struct OusterLosses {
   std::size_t without_metadata = 0;  ///< came too long before the metadata
   std::size_t damaged = 0;           ///< of another size than the metadata say, or cut off
   std::size_t late = 0;              ///< came when their turn had been given out
-  std::size_t unfinished = 0;        ///< of a last turn whose end has not come
+  /// Of a last turn whose end has not come, also of the last one before other metadata.
+  std::size_t unfinished = 0;
 
   /// All of them.
   std::size_t total() const { return without_metadata + damaged + late + unfinished; }
@@ -37,7 +38,8 @@ class OusterFeed {
   ~OusterFeed();
 
   /// Takes the text on the driver's topic of metadata, also another one later. Gives the clouds of
-  /// the packets that have waited for it. Throws InputError if it cannot be used.
+  /// the packets that have waited for it, and the turn before another one if its end has come.
+  /// Throws InputError if it cannot be used.
   std::vector<RecordedCloud> set_metadata(const std::string& metadata);
   /// Whether usable metadata have come.
   bool has_metadata() const;

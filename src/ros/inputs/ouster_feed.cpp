@@ -56,13 +56,15 @@ std::optional<RecordedCloud> recorded(std::optional<OusterTurn> turn) {
 struct OusterFeed::Impl {
   std::optional<RecordedCloud> add_packet(ByteRange packet, Stamp received);
   void wait(ByteRange packet, Stamp received);
+  std::optional<RecordedCloud> end_turns();
 
   std::string metadata;
   std::optional<OusterTurns> turns;  ///< by the metadata
   std::deque<WaitingPacket> waiting;
   OusterClockTracker clock;
-  bool has_points = false;      ///< whose times the clock is known by
-  std::size_t late_before = 0;  ///< by the metadata before the present ones
+  bool has_points = false;            ///< whose times the clock is known by
+  std::size_t late_before = 0;        ///< by the metadata before the present ones
+  std::size_t unfinished_before = 0;  ///< by the metadata before the present ones
   OusterLosses losses;
 };
 
@@ -73,15 +75,15 @@ OusterFeed::~OusterFeed() = default;
 /// A driver that is started again publishes its metadata again.
 std::vector<RecordedCloud> OusterFeed::set_metadata(const std::string& metadata) {
   if (impl_->turns && metadata == impl_->metadata) return {};
+  std::vector<RecordedCloud> clouds;
   try {
     preprocessing::OusterDecoder decoder(ouster_format(metadata));
-    impl_->late_before = impl_->losses.late;
+    if (auto last = impl_->end_turns()) clouds.push_back(std::move(*last));
     impl_->turns.emplace(std::move(decoder));
   } catch (const InputError& error) {
     throw InputError(std::string("the metadata of the Ouster cannot be used: ") + error.what());
   }
   impl_->metadata = metadata;
-  std::vector<RecordedCloud> clouds;
   for (const WaitingPacket& packet : std::exchange(impl_->waiting, {})) {
     try {
       auto cloud = impl_->add_packet({packet.bytes.data(), packet.bytes.size()}, packet.received);
@@ -91,6 +93,17 @@ std::vector<RecordedCloud> OusterFeed::set_metadata(const std::string& metadata)
     }
   }
   return clouds;
+}
+
+/// Gives the last turn by the present metadata if it has its end; otherwise none of the packets
+/// that will come belongs to it.
+std::optional<RecordedCloud> OusterFeed::Impl::end_turns() {
+  if (!turns) return std::nullopt;
+  std::optional<OusterTurn> last = turns->finish(clock.clock());
+  unfinished_before += turns->packets_so_far();
+  late_before = losses.late;
+  losses.unfinished = unfinished_before;
+  return recorded(std::move(last));
 }
 
 bool OusterFeed::has_metadata() const { return impl_->turns.has_value(); }
@@ -112,7 +125,7 @@ std::optional<RecordedCloud> OusterFeed::Impl::add_packet(ByteRange packet, Stam
   }
   std::optional<OusterTurn> turn = turns->add(packet, received, clock.clock());
   losses.late = late_before + turns->late_packets();
-  losses.unfinished = 0;
+  losses.unfinished = unfinished_before;
   return recorded(std::move(turn));
 }
 
@@ -137,7 +150,7 @@ sensor_msgs::Imu OusterFeed::imu_in(ByteRange message, Stamp received) {
 std::optional<RecordedCloud> OusterFeed::finish() {
   if (!impl_->turns) return std::nullopt;
   std::optional<OusterTurn> turn = impl_->turns->finish(impl_->clock.clock());
-  impl_->losses.unfinished = impl_->turns->packets_so_far();
+  impl_->losses.unfinished = impl_->unfinished_before + impl_->turns->packets_so_far();
   return recorded(std::move(turn));
 }
 
