@@ -112,7 +112,8 @@ void CityGraph::add_drive(const fs::path& path) {
   drive.name = drive_name(path);
   drive.session = path;
   drive.offsets = next_;
-  drive.offsets.stamp = pipeline::unique_stamp_offset(session.key_frames(), stamps_);
+  drive.offsets.stamp = pipeline::unique_stamp_offset(pipeline::stamps_of(session), stamps_);
+  stamps_.merge(pipeline::stamps_of(session, drive.offsets.stamp));
   std::vector<GnssPosition> gnss;
   if (city_.datum) gnss = pipeline::gnss_in_frame_of(*city_.datum, session);
   if (gnss.empty() && !session.gnss().empty()) {
@@ -123,7 +124,6 @@ void CityGraph::add_drive(const fs::path& path) {
   drive.key_frames = parts_.back().key_frames;
   drive.has_gnss = drive.uses_gnss = !gnss.empty();
   for (const KeyFrame& key_frame : drive.key_frames) {
-    stamps_.insert(key_frame.stamp);
     next_.index = key_frame.index + 1;
     next_.segment = key_frame.segment + 1;
   }

@@ -53,13 +53,14 @@ class ChunkClouds : public CloudSource {
 /// Where drive b begins in the graph of both.
 pipeline::PartOffsets offsets_behind(const Session& a, const Session& b) {
   pipeline::PartOffsets offsets;
-  std::set<Stamp> stamps;
+  std::set<Stamp> of_a, of_b;  // a search copies no records
+  for (const KeyFrame& key_frame : b.key_frames()) of_b.insert(key_frame.stamp);
   for (const KeyFrame& key_frame : a.key_frames()) {
-    stamps.insert(key_frame.stamp);
+    of_a.insert(key_frame.stamp);
     offsets.index = key_frame.index + 1;
     offsets.segment = key_frame.segment + 1;
   }
-  offsets.stamp = pipeline::unique_stamp_offset(b.key_frames(), stamps);
+  offsets.stamp = pipeline::unique_stamp_offset(of_b, of_a);
   return offsets;
 }
 

@@ -76,7 +76,8 @@ void SessionMerger::Impl::add(const Session& session_part) {
   MergedSession merged;
   const std::vector<GnssPosition> gnss = gnss_of(session_part, merged);
   PartOffsets offsets = next_;
-  offsets.stamp = unique_stamp_offset(session_part.key_frames(), stamps_);
+  offsets.stamp = unique_stamp_offset(stamps_of(session_part), stamps_);
+  stamps_.merge(stamps_of(session_part, offsets.stamp));
   const SessionPart part = read_part(session_part, offsets, gnss);
   merged.first = part.key_frames.empty() ? offsets.index : part.key_frames.front().index;
   merged.key_frames = part.key_frames.size();
@@ -93,7 +94,6 @@ void SessionMerger::Impl::add(const Session& session_part) {
 void SessionMerger::Impl::add_key_frame(const KeyFrame& key_frame, const SessionPart& part,
                                         MergedSession& merged) {
   back_end_.add_key_frame(key_frame);
-  stamps_.insert(key_frame.stamp);
   next_.index = key_frame.index + 1;
   next_.segment = key_frame.segment + 1;
   add_measurements(part, key_frame.stamp, back_end_);

@@ -21,12 +21,18 @@ LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets) {
   return verdict;
 }
 
-Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known) {
+std::set<Stamp> stamps_of(const session::Session& session, Stamp offset) {
+  std::set<Stamp> stamps;
+  for (const KeyFrame& key_frame : session.key_frames()) stamps.insert(key_frame.stamp + offset);
+  for (const session::ScanRecord& scan : session.scans()) stamps.insert(scan.stamp + offset);
+  for (const auto& [stamp, pose] : session.odometry()) stamps.insert(stamp + offset);
+  return stamps;
+}
+
+Stamp unique_stamp_offset(const std::set<Stamp>& stamps, const std::set<Stamp>& known) {
   Stamp offset = 0;
-  const auto is_known = [&](const KeyFrame& key_frame) {
-    return known.count(key_frame.stamp + offset) > 0;
-  };
-  while (std::any_of(key_frames.begin(), key_frames.end(), is_known)) ++offset;
+  const auto is_known = [&](Stamp stamp) { return known.count(stamp + offset) > 0; };
+  while (std::any_of(stamps.begin(), stamps.end(), is_known)) ++offset;
   return offset;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/session_merger.hpp"
 
 #include "near.hpp"
@@ -162,6 +163,56 @@ TEST(SessionMerger, GnssConnectsDrivesWithDifferentDatums) {
   const auto poses = merged.poses().poses;
   const Eigen::Vector3d& begin = poses[merger.parts()[1].first].T_map_base.translation;
   EXPECT_TRUE(near(begin, Eigen::Vector3d(300.0, 0.0, 0.0), 0.1)) << begin.transpose();
+}
+
+/// A straight drive with a scan every 0.1 s and a key frame at every second one from `first_key`
+/// on. The front end has doubted the scans from number 10 to 19 if `is_doubted`.
+Session drive_with_scans(const std::filesystem::path& folder, std::size_t first_key,
+                         bool is_doubted) {
+  Session session = Session::create_in(folder);
+  constexpr std::size_t kScans = 40;
+  for (std::size_t i = 0; i < kScans; ++i) {
+    session::ScanRecord scan;
+    scan.stamp = kStart + static_cast<Stamp>(i) * from_seconds(0.1);
+    scan.state = is_doubted && i >= 10 && i < 20 ? "degraded" : "tracking";
+    session.add_scan(scan);
+    KeyFrame key_frame;
+    key_frame.T_odom_base.translation.x() = static_cast<double>(i);
+    session.add_odometry(scan.stamp, key_frame.T_odom_base);
+    if (i % 2 != first_key) continue;
+    key_frame.index = static_cast<KeyFrameIndex>(i / 2);
+    key_frame.stamp = scan.stamp;
+    key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
+    session.add_key_frame(key_frame);
+  }
+  return session;
+}
+
+/// Number of scans in the sections of this kind in the file of a merged session.
+std::size_t doubted_scans(const TemporaryFolder& folder, Doubt doubt) {
+  std::size_t scans = 0;
+  for (const auto& section : read_doubt(folder.path() / "merged/doubt.csv").sections) {
+    if (section.doubt == doubt) scans += section.scans;
+  }
+  return scans;
+}
+
+// The key frames of one drive have the stamps of scans of the other one that are no key frames.
+TEST(SessionMerger, KeepsTheDoubtfulSectionsOfALaterDrive) {
+  const TemporaryFolder folder;
+  const Session first = drive_with_scans(folder.path() / "a", 0, false);
+  const Session second = drive_with_scans(folder.path() / "b", 1, true);
+  {
+    SessionMerger merger = merger_into(folder);
+    merger.add(first);
+    merger.add(second);
+    merger.finish();
+    EXPECT_EQ(merger.parts()[1].stamp_offset, 1);
+  }
+  const Session merged = merged_session(folder);
+  EXPECT_EQ(merged.scans().size(), first.scans().size() + second.scans().size());
+  EXPECT_EQ(merged.odometry().size(), merged.scans().size());
+  EXPECT_EQ(doubted_scans(folder, Doubt::kDegraded), 10U);
 }
 
 TEST(SessionMerger, ReportsPositionsWithoutDatum) {

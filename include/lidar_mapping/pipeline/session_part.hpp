@@ -21,8 +21,12 @@ Loop with_offsets(Loop loop, const PartOffsets& offsets);
 /// The same for a verdict.
 LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets);
 
-/// Smallest stamp offset (ns) with which no key frame has one of the `known` stamps.
-Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known);
+/// The stamps plus `offset` (ns) of a session's key frames and of its records, which may be at
+/// other scans. Throws FileError.
+std::set<Stamp> stamps_of(const session::Session& session, Stamp offset = 0);
+/// Smallest stamp offset (ns) with which none of the stamps is one of the `known` ones. A session
+/// keeps one record at a stamp: with equal ones those of the later part would be left out.
+Stamp unique_stamp_offset(const std::set<Stamp>& stamps, const std::set<Stamp>& known);
 
 /// The values by their stamps plus `offset` (ns); of several with the same stamp the first.
 template <typename Value>
