@@ -21,20 +21,6 @@ using back_end::RelativeCovariance;
 /// error grows slowly from one key frame to the next.
 constexpr std::size_t kCheckedKeyFrames = 8;
 
-TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,
-                           const std::vector<std::pair<Stamp, Pose>>& odometry) {
-  std::map<Stamp, Eigen::Vector3d> positions;
-  for (const auto& [stamp, T_odom_base] : odometry) positions[stamp] = T_odom_base.translation;
-  TrackingSummary summary;
-  for (const session::ScanRecord& scan : scans) {
-    const auto position = positions.find(scan.stamp);
-    if (position == positions.end()) continue;
-    summary.add({scan.stamp, doubt_of_state(scan.state), position->second, scan.unobserved_stddev,
-                 scan.probability});
-  }
-  return summary;
-}
-
 /// Segment by segment, in the order in which these begin: drives may have been merged in another
 /// one.
 std::vector<KeyFrame> in_order_of_time(std::vector<KeyFrame> key_frames) {
@@ -44,6 +30,50 @@ std::vector<KeyFrame> in_order_of_time(std::vector<KeyFrame> key_frames) {
     return begins.at(a.segment) < begins.at(b.segment);
   });
   return key_frames;
+}
+
+/// Finds where one drive ends and the next begins: a pause behind which a new segment does. The
+/// odometry of the next drive begins anew, and between the two nothing was travelled.
+class DriveBegins {
+ public:
+  /// `key_frames` are in the order of in_order_of_time().
+  explicit DriveBegins(const std::vector<KeyFrame>& key_frames) {
+    for (std::size_t i = 1; i < key_frames.size(); ++i) {
+      if (key_frames[i].segment == key_frames[i - 1].segment) continue;
+      breaks_.emplace_back(key_frames[i - 1].stamp, key_frames[i].stamp);
+    }
+  }
+  /// Whether a drive begins with the scan at `stamp`; the scan before it has the stamp `before`.
+  bool has(Stamp before, Stamp stamp) const {
+    return stamp - before > kLeastPause &&
+           std::any_of(breaks_.begin(), breaks_.end(), [&](const auto& segments) {
+             return segments.first <= before && stamp <= segments.second;
+           });
+  }
+
+ private:
+  /// ns. Chosen: longer than from scan to scan, shorter than between two drives.
+  static constexpr Stamp kLeastPause = from_seconds(1.0);
+
+  /// Stamps of the last key frame of a segment and of the first one of the next.
+  std::vector<std::pair<Stamp, Stamp>> breaks_;
+};
+
+TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,
+                           const std::vector<std::pair<Stamp, Pose>>& odometry,
+                           const DriveBegins& begins) {
+  std::map<Stamp, Eigen::Vector3d> positions;
+  for (const auto& [stamp, T_odom_base] : odometry) positions[stamp] = T_odom_base.translation;
+  TrackingSummary summary;
+  std::optional<Stamp> before;
+  for (const session::ScanRecord& scan : scans) {
+    const auto position = positions.find(scan.stamp);
+    if (position == positions.end()) continue;
+    summary.add({scan.stamp, doubt_of_state(scan.state), position->second, scan.unobserved_stddev,
+                 scan.probability, before && begins.has(*before, scan.stamp)});
+    before = scan.stamp;
+  }
+  return summary;
 }
 
 /// Variance of the unobserved travel up to each key frame, m^2. A front end that is started again
@@ -238,7 +268,8 @@ bool DriveDoubt::is_trusted() const {
 DriveDoubt drive_doubt(const session::Session& session, const back_end::BackEnd& back_end,
                        const KeyFramePoses& poses) {
   const std::vector<session::ScanRecord> scans = session.scans();
-  const TrackingSummary summary = summary_of(scans, session.odometry());
+  const TrackingSummary summary =
+      summary_of(scans, session.odometry(), DriveBegins(in_order_of_time(session.key_frames())));
   DriveDoubt doubt;
   if (!scans.empty()) doubt.begin = scans.front().stamp;
   doubt.path_length = summary.path_length();

@@ -66,8 +66,9 @@ void TrackingSummary::advance_to(const TrackedStep& step) {
   ++scans_;
   path_length_before_ = path_length_;
   variance_before_ = variance_;
-  const double before = last_ ? last_->unobserved_stddev : 0.0;
-  if (last_) path_length_ += (step.p_odom_base - last_->p_odom_base).norm();
+  const bool continues = last_ && !step.begins_drive;
+  const double before = continues ? last_->unobserved_stddev : 0.0;
+  if (continues) path_length_ += (step.p_odom_base - last_->p_odom_base).norm();
   // After a restart the front end begins at 0.
   const bool is_new = step.unobserved_stddev < before;
   variance_ += squared(step.unobserved_stddev) - (is_new ? 0.0 : squared(before));

@@ -218,6 +218,22 @@ TEST(DriveDoubt, KnowsDrivesThatWereMergedInReverse) {
   EXPECT_LT(degraded.expected_error, 4.0);
 }
 
+// The way back in the odometry from the end of a drive to the beginning of the next is none.
+TEST(DriveDoubt, DoesNotCountTheWayBetweenTwoDrives) {
+  StraightDrive later;
+  later.state = [](KeyFrameIndex scan) { return std::string(scan < 10 ? "degraded" : "tracking"); };
+  later.delay = from_seconds(1000.0);
+  later.first_index = kScans / 2;
+  later.segment = 1;
+  const DriveDoubt doubt = doubt_of(std::vector<StraightDrive>{{}, later}, {});
+  EXPECT_NEAR(doubt.path_length, 2.0 * position_of(kScans - 1).x(), 1e-3);
+  ASSERT_FALSE(doubt.sections.empty());
+  const DoubtfulSection& degraded = doubt.sections.back();
+  EXPECT_EQ(degraded.doubt, Doubt::kDegraded);
+  EXPECT_NEAR(degraded.path_begin, position_of(kScans - 1).x(), 1e-3);
+  EXPECT_NEAR(degraded.path_length, position_of(9).x(), 1e-3);
+}
+
 TEST(DriveDoubt, TrustsDegradedStepsConstrainedByLoops) {
   std::vector<Loop> loops;
   for (KeyFrameIndex i = 48; i < 76; i += 2) loops.push_back(loop_between(10, i));

@@ -35,6 +35,21 @@ TEST(TrackingSummary, CountsScansAndPath) {
   EXPECT_TRUE(drive.summary.sections().empty());
 }
 
+TEST(TrackingSummary, CountsNoPathToTheBeginningOfADrive) {
+  TrackingSummary summary;
+  const auto add = [&](double seconds, double x, bool begins_drive) {
+    summary.add({from_seconds(seconds), Doubt::kDegraded, {x, 0.0, 0.0}, 2.0, -1.0, begins_drive});
+  };
+  add(50.0, 0.0, false);
+  add(50.1, 1.0, false);
+  add(90.0, 700.0, true);
+  add(90.1, 701.0, false);
+  EXPECT_NEAR(summary.path_length(), 2.0, 1e-12);
+  ASSERT_EQ(summary.sections().size(), 2U);
+  EXPECT_NEAR(summary.sections()[1].path_length, 1.0, 1e-12);
+  EXPECT_NEAR(summary.sections()[1].expected_error, 2.0, 1e-12) << "what came anew in this drive";
+}
+
 TEST(TrackingSummary, DescribesASection) {
   Drive drive;
   drive.add(10, std::nullopt);

@@ -34,6 +34,8 @@ struct TrackedStep {
   Eigen::Vector3d p_odom_base = Eigen::Vector3d::Zero();
   double unobserved_stddev = 0.0;  ///< FrontEndStatus::unobserved_stddev, m.
   double probability = -1.0;       ///< Probability that the step is right; negative if unknown.
+  /// Whether the scan before is of another drive, from which no way leads here.
+  bool begins_drive = false;
 };
 
 /// A section of the drive whose scans are doubtful for the same reason.
