@@ -47,9 +47,9 @@ std::optional<std::vector<Pose>> integrate_steps(int count, double step,
 Pose ScanMotion::at(double time) const {
   const double last = static_cast<double>(T_stamp_knot.size() - 1);
   const double position = std::clamp((time - begin) / step, 0.0, last);
-  // A time that is not a number passes the clamp, and no index may be made of it.
-  if (!(position < last)) return T_stamp_knot.back();
-  const auto index = static_cast<std::size_t>(position);
+  // It passes the clamp, and no index may be made of it.
+  if (std::isnan(position)) return T_stamp_knot.back();
+  const auto index = std::min(static_cast<std::size_t>(position), T_stamp_knot.size() - 2);
   return interpolate(T_stamp_knot[index], T_stamp_knot[index + 1],
                      position - static_cast<double>(index));
 }
