@@ -2,7 +2,6 @@
 #include "city_session.hpp"
 
 #include <algorithm>
-#include <system_error>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -17,17 +16,6 @@ namespace fs = std::filesystem;
 using pipeline::RecordedBackEnd;
 using session::Session;
 
-void link_or_copy(const fs::path& from, const fs::path& to) {
-  std::error_code failure;
-  fs::create_hard_link(from, to, failure);
-  if (!failure) return;
-  fs::copy_file(from, to, failure);
-  if (failure) {
-    throw FileError("cannot copy " + from.string() + " to " + to.string() + ": " +
-                    failure.message());
-  }
-}
-
 std::vector<GnssPosition> positions_of(const JoinedDrive& drive, const Session& session,
                                        const std::optional<GeodeticDatum>& datum) {
   if (!drive.uses_gnss || !datum) return {};
@@ -39,13 +27,12 @@ void add_drive(const JoinedDrive& drive, const std::optional<GeodeticDatum>& dat
   const Session session = Session::open(drive.session, Session::Access::kRead);
   const auto part =
       pipeline::read_part(session, drive.offsets, positions_of(drive, session, datum));
-  const session::CloudStore& clouds = back_end.session().clouds();
-  fs::create_directories(clouds.file(0).parent_path());
+  session::CloudStore& clouds = back_end.session().clouds();
   Session::Batch batch(back_end.session());
   for (const KeyFrame& key_frame : drive.key_frames) {
     const KeyFrameIndex own_index = key_frame.index - drive.offsets.index;
     if (session.clouds().contains(own_index)) {
-      link_or_copy(session.clouds().file(own_index), clouds.file(key_frame.index));
+      clouds.link(key_frame.index, session.clouds().file(own_index));
     }
     back_end.add_key_frame(key_frame);
     add_measurements(part, key_frame.stamp, back_end);

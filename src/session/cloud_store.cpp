@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/session/cloud_store.hpp"
 
+#include <system_error>
+
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::session {
@@ -17,6 +20,20 @@ CloudStore::CloudStore(std::filesystem::path folder, std::size_t cache_bytes)
 void CloudStore::put(KeyFrameIndex index, const PointCloudPtr& cloud) {
   write_pcd(file(index), *cloud);
   cache(index, cloud);
+}
+
+void CloudStore::link(KeyFrameIndex index, const std::filesystem::path& existing) {
+  namespace fs = std::filesystem;
+  const fs::path linked = file(index);
+  std::error_code failure;
+  fs::create_directories(folder_, failure);
+  fs::remove(linked, failure);
+  fs::create_hard_link(existing, linked, failure);
+  if (!failure) return;
+  fs::copy_file(existing, linked, failure);
+  if (!failure) return;
+  throw FileError("cannot copy " + existing.string() + " to " + linked.string() + ": " +
+                  failure.message() + "; check the path and the free space");
 }
 
 PointCloudPtr CloudStore::cloud(KeyFrameIndex index) {

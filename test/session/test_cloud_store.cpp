@@ -27,6 +27,20 @@ TEST(CloudStore, ReadsTheCloudsThatItWrote) {
   EXPECT_EQ(store.file(7).filename(), "000007.pcd");
 }
 
+TEST(CloudStore, LinksFilesOfOthersAndReplacesItsOwn) {
+  const TemporaryFolder folder;
+  CloudStore other(folder.path() / "other");
+  other.put(7, example_cloud(100, 7));
+  CloudStore store(folder.path() / "clouds");
+  store.link(2, other.file(7));
+  store.link(2, other.file(7));
+  ASSERT_NE(store.cloud(2), nullptr);
+  expect_equal(*store.cloud(2), *example_cloud(100, 7));
+  EXPECT_TRUE(fs::equivalent(store.file(2), other.file(7)));
+  EXPECT_THROW(store.link(3, other.file(8)), FileError);
+  EXPECT_FALSE(store.contains(3));
+}
+
 TEST(CloudStore, StoresEmptyClouds) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(0, example_cloud(0, 0));

@@ -24,6 +24,9 @@ class CloudStore : public ParallelCloudSource {
 
   /// Writes a cloud as binary PCD file with x y z intensity, and caches it. Throws FileError.
   void put(KeyFrameIndex index, const PointCloudPtr& cloud);
+  /// Makes the file of a key frame a hard link to the PCD file `existing`, so that its points take
+  /// no space twice; a copy where the disk allows no link. Throws FileError.
+  void link(KeyFrameIndex index, const std::filesystem::path& existing);
   /// The cloud of a key frame; null if its file is missing or damaged.
   PointCloudPtr cloud(KeyFrameIndex index) override;
 
