@@ -15,6 +15,14 @@ namespace {
 using loop_closing::LoopCloser;
 using session::Session;
 
+/// The cloud of a key frame of `part`, whose file `merged` takes over; null if there is none.
+PointCloudPtr linked_cloud(const Session& part, KeyFrameIndex own_index, Session& merged,
+                           KeyFrameIndex index) {
+  if (!part.clouds().contains(own_index)) return nullptr;
+  merged.clouds().link(index, part.clouds().file(own_index));
+  return merged.clouds().cloud(index);
+}
+
 }  // namespace
 
 class SessionMerger::Impl {
@@ -24,7 +32,7 @@ class SessionMerger::Impl {
       : back_end_(std::move(out), back_end),
         closer_(loop_closing, session().clouds(), session().directory()) {}
 
-  void add(const Session& session_part);
+  void add(const Session& session_part, const std::vector<Loop>& ties);
   void finish();
   const std::vector<MergedSession>& parts() const { return parts_; }
 
@@ -32,6 +40,7 @@ class SessionMerger::Impl {
   Session& session() { return back_end_.session(); }
   std::vector<GnssPosition> gnss_of(const Session& session_part, MergedSession& merged);
   void add_key_frame(const KeyFrame& key_frame, const SessionPart& part, MergedSession& merged);
+  void add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets, SessionPart& part);
   void add_own_loop(const Loop& loop);
   void search(const KeyFrame& key_frame, MergedSession& merged);
   void solve(bool thorough);
@@ -68,7 +77,7 @@ std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_pa
   return gnss_in_frame_of(*session().datum(), session_part);
 }
 
-void SessionMerger::Impl::add(const Session& session_part) {
+void SessionMerger::Impl::add(const Session& session_part, const std::vector<Loop>& ties) {
   if (parts_.empty()) {
     copy_settings(session_part, session());
     if (const auto origin = session().sensor_origin()) closer_.set_sensor_origin(*origin);
@@ -78,13 +87,15 @@ void SessionMerger::Impl::add(const Session& session_part) {
   PartOffsets offsets = next_;
   offsets.stamp = unique_stamp_offset(stamps_of(session_part), stamps_);
   stamps_.merge(stamps_of(session_part, offsets.stamp));
-  const SessionPart part = read_part(session_part, offsets, gnss);
+  SessionPart part = read_part(session_part, offsets, gnss);
+  add_ties(ties, offsets, part);
   merged.first = part.key_frames.empty() ? offsets.index : part.key_frames.front().index;
   merged.key_frames = part.key_frames.size();
   merged.stamp_offset = offsets.stamp;
   copy_records(session_part, offsets, session());
   for (KeyFrame key_frame : part.key_frames) {
-    key_frame.cloud = session_part.clouds().cloud(key_frame.index - offsets.index);
+    key_frame.cloud =
+        linked_cloud(session_part, key_frame.index - offsets.index, session(), key_frame.index);
     add_key_frame(key_frame, part, merged);
   }
   solve(true);
@@ -108,6 +119,17 @@ void SessionMerger::Impl::add_key_frame(const KeyFrame& key_frame, const Session
   const auto [begin, end] = part.loops.equal_range(key_frame.index);
   for (auto loop = begin; loop != end; ++loop) add_own_loop(loop->second);
   if (!parts_.empty() && back_end_.optimization_due()) solve(false);
+}
+
+/// They come with the loops of the part; the search does not find their pairs again.
+void SessionMerger::Impl::add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets,
+                                   SessionPart& part) {
+  for (Loop tie : ties) {
+    tie.to += offsets.index;
+    tie.stamp += offsets.stamp;
+    part.loops.emplace(tie.to, tie);
+    pairs_.emplace(tie.from, tie.to);
+  }
 }
 
 void SessionMerger::Impl::add_own_loop(const Loop& loop) {
@@ -157,7 +179,9 @@ SessionMerger::SessionMerger(Session out, const back_end::BackEndConfig& back_en
     : impl_(std::make_unique<Impl>(std::move(out), back_end, loop_closing)) {}
 SessionMerger::~SessionMerger() = default;
 
-void SessionMerger::add(const Session& session_part) { impl_->add(session_part); }
+void SessionMerger::add(const Session& session_part, const std::vector<Loop>& ties) {
+  impl_->add(session_part, ties);
+}
 void SessionMerger::finish() { impl_->finish(); }
 const std::vector<MergedSession>& SessionMerger::parts() const { return impl_->parts(); }
 

@@ -78,6 +78,7 @@ TEST(SessionMerger, MergesTwoDrivesThroughOneTown) {
   EXPECT_LT(largest_error(poses, truth), 0.5) << "metres by odometry alone";
   EXPECT_EQ(merged.loops().front().decision, LoopDecision::kAccept);
   EXPECT_EQ(merged.clouds().cloud(last + 3)->size(), second.clouds().cloud(2)->size());
+  EXPECT_TRUE(std::filesystem::equivalent(merged.clouds().file(last + 3), second.clouds().file(2)));
   EXPECT_TRUE(merged.sensor_origin());
   EXPECT_GT(std::filesystem::file_size(folder.path() / "merged/trajectory/optimized.tum"), 100U);
 }
@@ -213,6 +214,38 @@ TEST(SessionMerger, KeepsTheDoubtfulSectionsOfALaterDrive) {
   EXPECT_EQ(merged.scans().size(), first.scans().size() + second.scans().size());
   EXPECT_EQ(merged.odometry().size(), merged.scans().size());
   EXPECT_EQ(doubted_scans(folder, Doubt::kDegraded), 10U);
+}
+
+// Without clouds nothing else could join them.
+TEST(SessionMerger, JoinsADriveByTiesThatAreKnown) {
+  const TemporaryFolder folder;
+  const Session first = drive_with_scans(folder.path() / "a", 0, false);
+  const Session second = drive_with_scans(folder.path() / "b", 0, false);
+  std::vector<Loop> ties;
+  for (const KeyFrameIndex index : {2U, 5U, 8U}) {
+    Loop tie;
+    tie.from = index;
+    tie.to = index;
+    tie.T_from_to.translation.y() = 3.0;
+    tie.covariance = diagonal_covariance(0.02, 0.002);
+    ties.push_back(tie);
+  }
+  SessionMerger merger = merger_into(folder);
+  merger.add(first);
+  merger.add(second, ties);
+  merger.finish();
+  EXPECT_TRUE(merger.parts()[1].is_connected);
+  EXPECT_EQ(merger.parts()[1].new_loops, 0U);
+  const KeyFrameIndex begin = merger.parts()[1].first;
+  const Session merged = merged_session(folder);
+  ASSERT_EQ(merged.loops().size(), 3U);
+  EXPECT_EQ(merged.loops().front().from, 2U);
+  EXPECT_EQ(merged.loops().front().to, begin + 2U);
+  const auto poses = merged.poses().poses;
+  for (KeyFrameIndex i = 0; i < begin; ++i) {
+    const Eigen::Vector3d beside = poses[i].T_map_base.translation + Eigen::Vector3d(0.0, 3.0, 0.0);
+    EXPECT_TRUE(near(poses[begin + i].T_map_base.translation, beside, 0.01)) << i;
+  }
 }
 
 TEST(SessionMerger, ReportsPositionsWithoutDatum) {

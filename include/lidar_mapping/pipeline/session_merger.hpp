@@ -31,8 +31,11 @@ class SessionMerger {
                 const loop_closing::LoopClosingConfig& loop_closing);
   ~SessionMerger();
 
-  /// Adds all of a session and optimises the graph. Throws FileError if the disk fails.
-  void add(const session::Session& part);
+  /// Adds all of a session and optimises the graph. Clouds are hard links to those of the part
+  /// where the disk allows that. `ties` are loops to earlier sessions that are known already: from
+  /// a key frame of the merged session to one of the part, whose index and stamp are those in the
+  /// part. Throws FileError if the disk fails.
+  void add(const session::Session& part, const std::vector<Loop>& ties = {});
   /// Optimises the whole graph and writes the files of the session. `is_connected` of the parts is
   /// valid from here on.
   void finish();
