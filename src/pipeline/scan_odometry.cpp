@@ -5,9 +5,6 @@
 
 namespace lidar_mapping::pipeline {
 
-namespace {
-
-/// Computing times are left out, because they differ from run to run.
 session::ScanRecord record_of(const front_end::FrontEndResult& result) {
   session::ScanRecord record;
   record.stamp = result.stamp;
@@ -19,8 +16,6 @@ session::ScanRecord record_of(const front_end::FrontEndResult& result) {
   record.probability = result.status.probability;
   return record;
 }
-
-}  // namespace
 
 ScanOdometry::ScanOdometry(const front_end::FrontEndConfig& front_end,
                            const preprocessing::FloorDetectionConfig& floor, Forward forward,
