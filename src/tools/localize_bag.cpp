@@ -23,6 +23,8 @@ void add_arguments(CLI::App& app, std::vector<std::string>& paths, LocalizingOpt
                  "pose of the first scan in the map, right to some metres: X Y Z (m) ROLL PITCH "
                  "YAW (degrees); none is needed")
       ->expected(6);
+  app.add_option("--extend", options.extend,
+                 "new folder for a session of the map and what of the drive is new to it");
   add_drive_options(app, options);
   app.add_option("--figures", options.figures, "write times and counts to this JSON file");
   app.footer(

@@ -129,6 +129,46 @@ TEST(LocalizationFiles, HoldThePosesInATrajectory) {
   EXPECT_NO_THROW(check_new_folder(folder.path() / "another"));
 }
 
+TEST(LocalizationFiles, DoNotLieInTheNewSession) {
+  const TemporaryFolder folder;
+  const std::filesystem::path session = folder.path() / "session";
+  EXPECT_THROW(check_session_folder(session, session), FileError);
+  EXPECT_THROW(check_session_folder(session, session / ""), FileError);
+  EXPECT_THROW(check_session_folder(session, session / "results"), FileError);
+  EXPECT_NO_THROW(check_session_folder(session, folder.path() / "results"));
+  EXPECT_NO_THROW(check_session_folder(folder.path() / "results/session", folder.path()));
+  std::ofstream(session) << "mine";
+  EXPECT_THROW(check_session_folder(session, folder.path() / "results"), FileError);
+}
+
+TEST(ExtensionText, SaysWhatWasAddedAndWhatWasLeftOut) {
+  pipeline::ExtensionReport report;
+  report.extension.stretches.resize(1);
+  report.extension.stretches[0].new_way = 84.2;
+  report.extension.stretches[0].ties.resize(6);
+  report.extension.left_out.too_short = 8.4;
+  report.key_frames = 57;
+  report.largest_move = 0.0031;
+  EXPECT_EQ(extension_text(report, "town"),
+            "new to the map: 84 m in 1 stretch; with what lies beside them 57 key frames, held by "
+            "6 ties\n"
+            "left out: 8 m in stretches of less than 10 m\n"
+            "the key frames of the map moved by 0.003 m at most\n"
+            "town\n");
+}
+
+TEST(ExtensionText, SaysWhyNoSessionIsWritten) {
+  pipeline::ExtensionReport report;
+  EXPECT_EQ(extension_text(report, "town"),
+            "nothing of the drive is new to the map, so no session is written\n");
+  report.extension.left_out.never_found = 120.0;
+  report.extension.left_out.not_tied = 40.0;
+  EXPECT_EQ(extension_text(report, "town"),
+            "nothing could be added to the map, so no session is written\n"
+            "left out: 120 m from which odometry leads to no place that was found in the map; 40 m "
+            "that less than 3 ties hold without contradiction\n");
+}
+
 TEST(LocalizationFigures, CountStatesAndSayWhenThePlaceWasFound) {
   const json::Json figures = localization_figures(short_drive());
   EXPECT_EQ(figures["scans"], 4);

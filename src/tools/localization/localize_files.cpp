@@ -79,6 +79,16 @@ void check_new_folder(const fs::path& folder) {
   throw FileError(folder.string() + " exists and is no empty folder; name a new one");
 }
 
+void check_session_folder(const fs::path& session, const fs::path& results) {
+  check_new_folder(session);
+  const fs::path from_session =
+      fs::weakly_canonical(fs::absolute(results))
+          .lexically_relative(fs::weakly_canonical(fs::absolute(session)));
+  if (from_session.empty() || *from_session.begin() == "..") return;
+  throw FileError("the results in " + results.string() + " would lie in the new session " +
+                  session.string() + "; name another folder with -o or --extend");
+}
+
 std::string localization_csv(const std::vector<LocalizedScan>& scans,
                              const std::optional<GeodeticDatum>& datum) {
   std::optional<EarthCells> earth;

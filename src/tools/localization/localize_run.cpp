@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
+#include "lidar_mapping/pipeline/map_extender.hpp"
 #include "lidar_mapping/pipeline/recorded_odometry.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
 
@@ -35,17 +36,20 @@ std::optional<Pose> initial_pose_of(const LocalizingOptions& options) {
 /// Localises scans one after the other.
 class LocalizedDrive {
  public:
-  LocalizedDrive(localization::MapIndex& map, const std::optional<Pose>& initial_pose)
-      : localizer_(map) {
+  /// `extender` takes the scans, too, unless it is null.
+  LocalizedDrive(localization::MapIndex& map, const std::optional<Pose>& initial_pose,
+                 pipeline::MapExtender* extender)
+      : localizer_(map), extender_(extender) {
     if (initial_pose) localizer_.set_initial_pose(*initial_pose);
   }
 
   void add(pipeline::OdometryScan&& scan) {
     const ThreadTime time;
-    const localization::LocalizerInput input = input_of(std::move(scan));
+    const localization::LocalizerInput input = input_of(scan);
     path_ += input.T_previous_base.translation.norm();
     LocalizedScan localized{localizer_.process(input), path_, 0.0};
     localized.seconds = time.seconds();
+    if (extender_ != nullptr) extender_->add(scan.result, localized.result);
     scans_.push_back(std::move(localized));
   }
 
@@ -57,7 +61,8 @@ class LocalizedDrive {
     std::uint32_t segment = 0;
   };
 
-  localization::LocalizerInput input_of(pipeline::OdometryScan&& scan) {
+  /// Takes the points of the scan.
+  localization::LocalizerInput input_of(pipeline::OdometryScan& scan) {
     const Odometry now{scan.result.T_odom_base, scan.result.segment};
     localization::LocalizerInput input;
     input.scan = std::move(scan.scan);
@@ -72,6 +77,7 @@ class LocalizedDrive {
   }
 
   localization::Localizer localizer_;
+  pipeline::MapExtender* extender_;
   std::optional<Odometry> previous_;
   std::vector<LocalizedScan> scans_;
   double path_ = 0.0;
@@ -87,6 +93,7 @@ class LocalizingRun {
   LocalizingRun(const LocalizingOptions& options, const volatile std::sig_atomic_t& stop_requested)
       : options_(options), stop_requested_(stop_requested), stages_(read_stages(options_)) {
     check_new_folder(options.output);
+    if (!options.extend.empty()) check_session_folder(options.extend, options.output);
   }
 
   int run() {
@@ -96,7 +103,9 @@ class LocalizingRun {
     const RecordingPart part(*drive.input, options_.start, options_.duration);
     pipeline::SessionMap map(options_.map, stages_.pipeline.loop_closing, stages_.pipeline.threads);
     print_map(map);
-    LocalizedDrive localized(map.index(), initial_pose_of(options_));
+    if (!options_.extend.empty()) extender_.emplace(options_.map, options_.extend);
+    LocalizedDrive localized(map.index(), initial_pose_of(options_),
+                             extender_ ? &*extender_ : nullptr);
     read(*drive.input, part, localized);
     if (localized.scans().empty()) {
       throw InputError("no scan could be used; the lines above say why");
@@ -126,7 +135,7 @@ class LocalizingRun {
     print(odometry.take_messages());
   }
 
-  int conclude(const std::vector<LocalizedScan>& scans) const {
+  int conclude(const std::vector<LocalizedScan>& scans) {
     const json::Json figures = localization_figures(scans);
     if (stop_requested_ != 0) std::printf("stopped early: what follows is the drive so far\n");
     std::printf("%s", localization_text(figures).c_str());
@@ -135,6 +144,8 @@ class LocalizingRun {
     if (!options_.figures.empty()) {
       write_text_atomically(options_.figures, json::dumped(figures, 2) + "\n");
     }
+    std::fflush(stdout);
+    if (extender_) std::printf("%s", extension_text(extender_->write(), options_.extend).c_str());
     if (figures["found_after"].is_null()) return report_never_found(scans.back());
     return stop_requested_ != 0 ? kStoppedEarly : 0;
   }
@@ -150,6 +161,7 @@ class LocalizingRun {
   LocalizingOptions options_;
   const volatile std::sig_atomic_t& stop_requested_;
   StageFiles stages_;
+  std::optional<pipeline::MapExtender> extender_;  ///< with --extend
 };
 
 }  // namespace

@@ -14,7 +14,9 @@ struct LocalizingOptions : DriveArguments {
   std::string map;  ///< folder of a session
   std::string output;
   std::vector<double> initial_pose;  ///< x y z (m) roll pitch yaw (degrees) in map; empty: none
-  std::string figures;               ///< path of a JSON file for times and counts; empty: none
+  /// Folder of a new session for the map and what of the drive is new to it; empty: none.
+  std::string extend;
+  std::string figures;  ///< path of a JSON file for times and counts; empty: none
 };
 
 /// Localises the recording in the map, writes the results and prints messages and figures. Returns
