@@ -2,7 +2,7 @@
 #include "lidar_mapping/pipeline/map_extension.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <utility>
 
 namespace lidar_mapping::pipeline {
 
@@ -81,6 +81,7 @@ class Planner {
   /// The map knows the surroundings and the place is certain, so a tie can begin here.
   bool is_anchor(std::size_t i) const { return is_followed(i) && !is_new_[i]; }
 
+  // Of a segment in which a key frame is followed.
   void find_new(std::size_t begin, std::size_t end);
   std::vector<Pose> carried_poses(std::size_t begin, std::size_t end) const;
   bool sees_new(std::size_t i, const Pose& T_map_base) const;
@@ -109,17 +110,16 @@ void Planner::find_new(std::size_t begin, std::size_t end) {
 /// T_map_base of the key frames of a segment: by the localisation where it is followed, else by
 /// odometry from the last key frame before that was, or from the first one behind.
 std::vector<Pose> Planner::carried_poses(std::size_t begin, std::size_t end) const {
-  std::vector<Pose> poses(end - begin);
-  std::optional<Pose> T_map_odom;
+  const auto T_map_odom_at = [&](std::size_t i) {
+    return drive_[i].place.T_map_base * drive_[i].key_frame.T_odom_base.inverse();
+  };
+  std::size_t first = begin;
+  while (!is_followed(first)) ++first;
+  Pose T_map_odom = T_map_odom_at(first);
+  std::vector<Pose> poses;
   for (std::size_t i = begin; i < end; ++i) {
-    if (!is_followed(i)) continue;
-    T_map_odom = drive_[i].place.T_map_base * drive_[i].key_frame.T_odom_base.inverse();
-    break;
-  }
-  for (std::size_t i = begin; i < end; ++i) {
-    const Pose& T_odom_base = drive_[i].key_frame.T_odom_base;
-    if (is_followed(i)) T_map_odom = drive_[i].place.T_map_base * T_odom_base.inverse();
-    poses[i - begin] = *T_map_odom * T_odom_base;
+    if (is_followed(i)) T_map_odom = T_map_odom_at(i);
+    poses.push_back(T_map_odom * drive_[i].key_frame.T_odom_base);
   }
   return poses;
 }

@@ -123,7 +123,7 @@ TEST_F(ExtendMap, AddsWhatLiesBeyondAtItsTruePlace) {
 
 TEST_F(ExtendMap, FindsALaterDriveInWhatWasAdded) {
   const std::string later =
-      bag("later", {"--pass", "2", "--parked", "2", "--start", "24", "--duration", "31"});
+      bag("later", {"--pass", "2", "--parked", "2", "--start", "23", "--duration", "31"});
   ASSERT_EQ(localize(later, extended(), "later_in_extended"), 0) << said();
   const auto errors =
       errors_of("later", read_trajectory(root() / "later_in_extended/trajectory/localized.tum"));
