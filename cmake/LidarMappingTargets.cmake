@@ -5,23 +5,48 @@ target_compile_options(lidar_mapping_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<BOOL:${LIDAR_MAPPING_WERROR}>:-Werror>)
 
-# Headers that are read once for all targets of libraries and programs; tests have more of them. They
-# belong to a target that is no shared library, because such a one defines a macro of its own.
-if(LIDAR_MAPPING_PRECOMPILE)
-  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp "")
-  add_library(lidar_mapping_precompiled OBJECT ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
-  target_link_libraries(lidar_mapping_precompiled PRIVATE Eigen3::Eigen lidar_mapping_warnings)
-  target_precompile_headers(lidar_mapping_precompiled PRIVATE
+# Headers that are read once for all targets of libraries and programs; tests have more of them
+# (test/CMakeLists.txt). They belong to a target that is no shared library, because such a one defines
+# a macro of its own.
+set(LIDAR_MAPPING_COMMON_HEADERS
     <Eigen/Dense> <algorithm> <functional> <map> <memory> <optional> <string> <vector>)
+# Also read once where a folder sets LIDAR_MAPPING_READS_MESSAGES: they take three seconds for each file.
+set(LIDAR_MAPPING_MESSAGE_HEADERS
+    <filesystem> <sstream> <thread> <diagnostic_msgs/DiagnosticArray.h> <geometry_msgs/TwistStamped.h>
+    <nav_msgs/Odometry.h> <nav_msgs/Path.h> <ros/ros.h> <sensor_msgs/Imu.h> <sensor_msgs/NavSatFix.h>
+    <sensor_msgs/PointCloud2.h> <visualization_msgs/MarkerArray.h>)
+
+# lidar_mapping_precompiled_headers(NAME HEADERS header ... LIBRARIES libs): reads them once
+function(lidar_mapping_precompiled_headers name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;LIBRARIES" ${ARGN})
+  set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
+  file(WRITE ${source} "")
+  add_library(${name} OBJECT EXCLUDE_FROM_ALL ${source})
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen lidar_mapping_warnings ${ARG_LIBRARIES})
+  target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
+endfunction()
+
+if(LIDAR_MAPPING_PRECOMPILE)
+  lidar_mapping_precompiled_headers(lidar_mapping_precompiled HEADERS ${LIDAR_MAPPING_COMMON_HEADERS})
+  if(catkin_FOUND)
+    lidar_mapping_precompiled_headers(lidar_mapping_precompiled_messages
+      HEADERS ${LIDAR_MAPPING_COMMON_HEADERS} ${LIDAR_MAPPING_MESSAGE_HEADERS}
+      LIBRARIES lidar_mapping_catkin)
+  endif()
 endif()
 
-# lidar_mapping_precompile(TARGET OWNER): the target uses the headers that were read for its owner
+# lidar_mapping_precompile(TARGET OWNER): the target uses the headers that were read for its owner, or
+# for the one with messages where its folder asks for these
 function(lidar_mapping_precompile target owner)
-  if(LIDAR_MAPPING_PRECOMPILE)
-    target_precompile_headers(${target} REUSE_FROM ${owner})
-    # CMake gives programs another option than libraries.
-    target_compile_options(${target} PRIVATE -fPIC)
+  if(NOT LIDAR_MAPPING_PRECOMPILE)
+    return()
   endif()
+  if(LIDAR_MAPPING_READS_MESSAGES)
+    string(APPEND owner _messages)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${owner})
+  # CMake gives programs another option than libraries.
+  target_compile_options(${target} PRIVATE -fPIC)
 endfunction()
 
 set(LIDAR_MAPPING_LIBRARIES

@@ -35,7 +35,7 @@ class InputForms : public ::testing::Test {
     static const TemporaryFolder folder;
     static const std::string bag = [] {
       const std::string path = folder.path() / "drive.bag";
-      Program simulation("simulate_drive", {path, "--lidar", "vlp16", "--duration", "8"},
+      Program simulation("simulate_drive", {path, "--lidar", "vlp16", "--duration", "6"},
                          folder.path() / "log");
       EXPECT_EQ(simulation.wait(), 0) << simulation.output();
       return path;
@@ -90,7 +90,7 @@ class InputForms : public ::testing::Test {
     std::printf("largest difference of the positions: %.1f um\n", 1e6 * largest);
   }
   void expect_poses_of_the_drive(const std::string& name, const WriteCloud& write) const {
-    expect_equal_poses(mapped(written(name, write)), mapped(plain_bag()));
+    expect_equal_poses(mapped(written(name, write)), plain_poses());
   }
   void expect_said(const std::pair<std::string, int>& said, const std::string& words,
                    int status) const {
@@ -100,6 +100,11 @@ class InputForms : public ::testing::Test {
 
   const TemporaryFolder folder_;
 
+  /// The odometry of the drive with its clouds as they are, made once for all tests.
+  Trajectory plain_poses() const {
+    static const Trajectory poses = mapped(plain_bag());
+    return poses;
+  }
   /// The drive with its clouds as they are.
   std::string plain_bag() const {
     return written("plain", with([](const sensor_msgs::PointCloud2& cloud) { return cloud; }));

@@ -66,7 +66,7 @@ TEST_F(Ros2Recordings, AFileAndAFolderGiveThePosesOfTheBag) {
   std::filesystem::create_directory(folder);
   std::ofstream(folder / "metadata.yaml") << "rosbag2_bagfile_information:\n  version: 5\n";
   const std::string file = recorded(folder / "drive_0.db3", write_plain<Ros2Writer>);
-  const Trajectory plain = mapped(plain_bag());
+  const Trajectory plain = plain_poses();
   expect_equal_poses(mapped(file), plain);
   expect_equal_poses(mapped(folder), plain);
   const auto said = checked(folder);
@@ -81,7 +81,7 @@ TEST_F(Ros2Recordings, LivoxCustomMsg) {
     out.add(kTopic, recorded, test::as_livox<LivoxDriver::kTwo>(cloud));
   };
   const std::string file = recorded(folder_.path() / "livox.db3", livox);
-  expect_equal_poses(mapped(file), mapped(plain_bag()));
+  expect_equal_poses(mapped(file), plain_poses());
 }
 
 /// pandar_msgs as ROS 2 stores it.
@@ -114,7 +114,7 @@ TEST_F(Ros2Recordings, PacketsOfAHesai) {
 }
 
 TEST_F(Ros2Recordings, McapFilesGiveThePosesOfTheBag) {
-  const Trajectory plain = mapped(plain_bag());
+  const Trajectory plain = plain_poses();
   for (const char* compression : {"", "lz4", "zstd"}) {
     McapOptions options;
     options.compression = compression;
