@@ -38,11 +38,11 @@ std::string to_yaml(const MapDescription& description) {
   const Eigen::Vector3d& origin = description.origin;
   std::string text = "map: " + quoted(options.map.string()) + "\n";
   text += "trajectory: " + quoted(options.trajectory) + "\n";
-  text += formatted("origin: [%.17g, %.17g, %.17g]\n", origin.x(), origin.y(), origin.z());
-  text += formatted("spacing: %.17g\n", options.spacing);
-  text += formatted("sensor_height: %.17g\n", options.sensor_height);
-  text += formatted("base_height: %.17g\n", options.base_height);
-  return text + formatted("resolution: %.17g\n", options.resolution);
+  text += formatted("origin: [%.0f, %.0f, %.0f]\n", origin.x(), origin.y(), origin.z());
+  text += formatted("spacing: %g\n", options.spacing);
+  text += formatted("sensor_height: %g\n", options.sensor_height);
+  text += formatted("base_height: %g\n", options.base_height);
+  return text + formatted("resolution: %g\n", options.resolution);
 }
 
 }  // namespace

@@ -22,6 +22,13 @@ constexpr double kLargestStep = 0.3;
 constexpr int kLeastAround = 7;
 // m^2. Chosen: more than trucks and bus stops have on top, less than a yard.
 constexpr std::size_t kLeastArea = 40;
+// m below, and cells around, where another ground makes a ceiling of an area. Chosen: higher than
+// storeys, and beyond a parked car, which covers the ground.
+constexpr double kHighestStorey = 6.0;
+constexpr int kBeside = 2;
+// Of the cells of an area. Chosen: storeys that ramps connect are one area, whose lowest one has no
+// ground below it.
+constexpr double kCeiling = 0.9;
 
 constexpr std::size_t kSides = 4;   // the first of kDirections, by geometry
 constexpr std::size_t kAround = 8;  // cells around a cell, by geometry
@@ -44,13 +51,14 @@ class GroundGraph {
     }
   }
 
-  /// Closes the areas that are too small.
+  /// Closes the areas that are too small, and those that lie above others and are not connected to
+  /// them: ceilings that were seen from below.
   void keep_large_areas() {
     std::vector<bool> is_seen(cells_.size(), false);
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (!is_open_[i] || is_seen[i]) continue;
       const std::vector<std::size_t> area = area_of(i, is_seen);
-      if (area.size() >= kLeastArea) continue;
+      if (area.size() >= kLeastArea && !is_ceiling(area)) continue;
       for (const std::size_t cell : area) is_open_[cell] = false;
     }
   }
@@ -99,21 +107,44 @@ class GroundGraph {
   }
 
  private:
-  /// The ground beside a cell at about its height; -1 if there is none. Grounds of a column are
-  /// farther apart than the largest step, so there is one at most.
-  std::ptrdiff_t neighbour(std::size_t i, const Direction& direction) const {
+  /// The lowest ground between two heights (m) relative to a cell, in a column beside it; -1 if
+  /// there is none.
+  std::ptrdiff_t ground_between(std::size_t i, const Direction& direction, double low,
+                                double high) const {
     const int column = cells_[i].column + direction.column;
     const int row = cells_[i].row + direction.row;
-    const double lowest = cells_[i].height - kLargestStep;
+    const double lowest = cells_[i].height + low;
     const auto found = std::lower_bound(cells_.begin(), cells_.end(), std::tie(column, row, lowest),
                                         [](const GroundCell& cell, const auto& key) {
                                           return std::tie(cell.column, cell.row, cell.height) < key;
                                         });
     if (found == cells_.end() || found->column != column || found->row != row ||
-        found->height > cells_[i].height + kLargestStep) {
+        found->height > cells_[i].height + high) {
       return -1;
     }
     return found - cells_.begin();
+  }
+
+  /// The ground beside a cell at about its height; -1 if there is none. Grounds of a column are
+  /// farther apart than the largest step, so there is one at most.
+  std::ptrdiff_t neighbour(std::size_t i, const Direction& direction) const {
+    return ground_between(i, direction, -kLargestStep, kLargestStep);
+  }
+
+  bool has_ground_below(std::size_t i) const {
+    for (int column = -kBeside; column <= kBeside; ++column) {
+      for (int row = -kBeside; row <= kBeside; ++row) {
+        const auto below = ground_between(i, {column, row}, -kHighestStorey, -2.0 * kLargestStep);
+        if (below >= 0) return true;
+      }
+    }
+    return false;
+  }
+
+  bool is_ceiling(const std::vector<std::size_t>& area) const {
+    const auto above =
+        std::count_if(area.begin(), area.end(), [&](std::size_t i) { return has_ground_below(i); });
+    return static_cast<double>(above) >= kCeiling * static_cast<double>(area.size());
   }
 
   std::vector<std::size_t> open_sides(std::size_t i) const {

@@ -19,7 +19,8 @@ struct OpenCell {
 
 /// The cells (sorted, as ground_cells() gives them) that are surrounded by ground of about the same
 /// height and connected to an area of some tens of square metres. So the tops of walls and of cars
-/// are left out, and each storey counts. They are in the order of `cells`.
+/// are left out, and each storey counts that ground leads to; what lies above another ground and is
+/// not connected to it is a ceiling. They are in the order of `cells`.
 std::vector<OpenCell> find_open_ground(const std::vector<GroundCell>& cells);
 
 }  // namespace lidar_mapping::map_import

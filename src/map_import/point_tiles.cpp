@@ -13,8 +13,6 @@ namespace lidar_mapping::map_import {
 namespace {
 
 constexpr std::size_t kBuffer = 1024;  // points, 16 kB for each square; chosen: few large writes
-// Points, 128 MB. Chosen: the squares around a place, of a dense map as well.
-constexpr std::size_t kMostCached = 8'000'000;
 
 TileIndex index_of(const Eigen::Vector3d& p_map) {
   return {floor_to_int(p_map.x() / PointTiles::kEdge), floor_to_int(p_map.y() / PointTiles::kEdge)};
@@ -22,8 +20,11 @@ TileIndex index_of(const Eigen::Vector3d& p_map) {
 
 }  // namespace
 
-PointTiles::PointTiles(std::filesystem::path directory, double resolution)
-    : directory_(std::move(directory)), resolution_(resolution), file_(directory_) {}
+PointTiles::PointTiles(std::filesystem::path directory, double resolution, std::size_t most_cached)
+    : directory_(std::move(directory)),
+      resolution_(resolution),
+      most_cached_(most_cached),
+      file_(directory_) {}
 
 /// Floats near the ground are exact: heights count from the first point.
 Eigen::Vector3d PointTiles::origin_of(const TileIndex& index) const {
@@ -116,7 +117,7 @@ PointTilePtr PointTiles::tile(const TileIndex& index) {
 }
 
 void PointTiles::evict(const TileIndex& kept) {
-  while (cached_points_ > kMostCached && cache_.size() > 1) {
+  while (cached_points_ > most_cached_ && cache_.size() > 1) {
     const auto oldest = std::min_element(
         cache_.begin(), cache_.end(),
         [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });

@@ -43,8 +43,13 @@ class PointTiles {
   /// dense map fits into memory.
   static constexpr int kEdge = 40;
 
+  /// Default limit of the cache, points: 128 MB. Chosen: the squares around a place, of a dense map
+  /// as well.
+  static constexpr std::size_t kMostCached = 8'000'000;
+
   /// `resolution`: edge of the voxels by which the map is thinned, m.
-  PointTiles(std::filesystem::path directory, double resolution);
+  PointTiles(std::filesystem::path directory, double resolution,
+             std::size_t most_cached = kMostCached);
 
   /// Adds points; not after finish().
   void add(const std::vector<MapPoint>& points);
@@ -83,7 +88,8 @@ class PointTiles {
 
   std::filesystem::path directory_;
   double resolution_;
-  double height_ = 0.0;  ///< of the origins of all squares, m
+  std::size_t most_cached_;  ///< points
+  double height_ = 0.0;      ///< of the origins of all squares, m
   Eigen::AlignedBox3d bounds_;
   std::uint64_t points_ = 0;
   std::uint64_t thinned_ = 0;
