@@ -104,6 +104,11 @@ class Import {
     const auto beside = options_.datum ? std::nullopt : datum_beside(options_.map);
     const std::optional<GeodeticDatum> datum = options_.datum ? options_.datum : beside;
     const Eigen::Vector3d origin = origin_of(tiles_.bounds());
+    if (datum && !is_place(*datum)) {
+      throw InputError(
+          "the datum is no place on Earth; give latitude and longitude in degrees, and "
+          "the height in m");
+    }
     if (datum && !origin.isZero()) {
       throw InputError("the map " + options_.map.string() + " lies " +
                        std::to_string(std::lround(origin.norm())) +

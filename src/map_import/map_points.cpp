@@ -11,7 +11,7 @@
 #include "lidar_mapping/common/pcd_header.hpp"
 #include "lidar_mapping/session/pcd_points.hpp"
 
-#include "map_files.hpp"
+#include "map_input.hpp"
 
 // The points of one PCD file.
 namespace lidar_mapping::map_import {

@@ -13,7 +13,7 @@
 #include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 
-#include "map_files.hpp"
+#include "map_input.hpp"
 
 namespace lidar_mapping::map_import {
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_files.hpp"
+#include "map_input.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -79,7 +80,8 @@ std::optional<GeodeticDatum> datum_of(const config::Value* place) {
   const auto longitude = number_in(*place, "longitude");
   const auto altitude = number_in(*place, "altitude");
   if (!latitude || !longitude || !altitude) return std::nullopt;
-  return GeodeticDatum{*latitude, *longitude, *altitude};
+  const GeodeticDatum datum{*latitude, *longitude, *altitude};
+  return is_place(datum) ? std::optional(datum) : std::nullopt;
 }
 
 std::optional<GeodeticDatum> datum_in(const fs::path& file) {
@@ -105,6 +107,12 @@ std::vector<fs::path> map_files(const fs::path& map) {
   const std::string extension = lower_case(map.extension().string());
   if (extension != ".las" && extension != ".laz") return {map};
   throw FileError(map.string() + " is a LAS file, which is not read; make a PCD file of it first");
+}
+
+bool is_place(const GeodeticDatum& datum) {
+  constexpr double kHighest = 1e5;  // m; chosen: far above any mountain
+  return std::abs(datum.latitude_deg) <= 90.0 && std::abs(datum.longitude_deg) <= 360.0 &&
+         std::abs(datum.altitude_m) <= kHighest;
 }
 
 std::optional<GeodeticDatum> datum_beside(const fs::path& map) {
