@@ -31,8 +31,8 @@ constexpr float kReach = 1.5F;
 // of a map; a corner recedes by the resolution between two points of its sides, and slabs and walls
 // of 0.3 m have two sides.
 constexpr float kNoise = 0.05F;
-// Eighths of a turn. Chosen: points in all but two lie around a ray, for gaps are below half a
-// turn.
+// Eighths of a turn beside each other. Chosen: the directions of the points in the others are then
+// less than half a turn apart, so that these lie around the ray.
 constexpr int kOpenEighths = 2;
 
 /// A point in base_link, its direction and range from the LiDAR.

@@ -187,6 +187,8 @@ TEST(DatumBeside, IsReadFromTheDescriptionOfAMap) {
   EXPECT_EQ(datum_beside(map), (GeodeticDatum{49.5, 8.0, 110.25}));
   write_text(folder.path() / "town.yaml", "frame: utm\n" + datum);
   EXPECT_FALSE(datum_beside(map)) << "its axes are those of the grid";
+  write_text(folder.path() / "town.yaml", "datum: {latitude: 95.0, longitude: 8, altitude: 110}\n");
+  EXPECT_FALSE(datum_beside(map)) << "there is no such place";
   write_text(folder.path() / "town.yaml", "frame: map\ndatum: null\n");
   EXPECT_FALSE(datum_beside(map));
   write_text(folder.path() / "town.yaml", "[no map\n");
