@@ -34,6 +34,7 @@ STAGES = {
     'simulation': ('worlds, sensors and drives', CONFIGURED),
     'evaluation': ('errors of trajectories against the truth', {'common'}),
     'pipeline': ('the stages put together, without ROS', MAPPING | {'localization'}),
+    'map_import': ('maps from elsewhere made into sessions', CONFIGURED | {'session'}),
     'city': ('many drives: pairs, loops between drives, one graph', MAPPING | {'pipeline', 'json'}),
     'report': ('figures and verdicts of a map, and the record of its making',
                MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'evaluation', 'json'}),
@@ -45,7 +46,7 @@ STAGES = {
               MAPPING | {'localization', 'pipeline', 'moving_objects', 'map', 'json', 'ros'}),
     'tools': ('one file for each command',
               MAPPING | {'localization', 'pipeline', 'moving_objects', 'map', 'map_quality', 'simulation', 'evaluation',
-                         'json', 'city', 'report', 'campaign', 'ros', 'recordings'}),
+                         'json', 'map_import', 'city', 'report', 'campaign', 'ros', 'recordings'}),
 }
 ALLOWED = {stage: allowed for stage, (_, allowed) in STAGES.items()}
 ROS_STAGES = {'ros', 'recordings', 'nodes', 'tools'}

@@ -10,7 +10,8 @@ namespace lidar_mapping::back_end {
 // Approximate poses from which the solver converges.
 
 /// Moves segments that a new loop connects to an older segment next to that segment. Of several
-/// loops, the one is used with which most others agree.
+/// loops, the one is used with which most others agree. Where the older one is not in
+/// East-North-Up, the others are not any more, either.
 void connect_segments(DriveGraph& drive);
 
 struct Georeference {

@@ -3,6 +3,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
+#include "lidar_mapping/session/imported_map.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -44,7 +45,8 @@ PointCloud SessionMap::cloud(double resolution) const {
 }
 
 std::optional<GeodeticDatum> SessionMap::datum() const {
-  return session_.gnss().empty() ? std::nullopt : session_.datum();
+  const bool is_in_enu = session::is_imported_map(session_) || !session_.gnss().empty();
+  return is_in_enu ? session_.datum() : std::nullopt;
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/pipeline/session_part.hpp"
+#include "lidar_mapping/session/imported_map.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -57,8 +58,12 @@ class SessionMerger::Impl {
 std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_part,
                                                        MergedSession& merged) {
   const std::vector<GnssPosition> positions = session_part.gnss();
-  if (positions.empty()) return positions;
   const auto datum = session_part.datum();
+  // An imported map lies in its datum's frame without any position.
+  if (datum && parts_.empty() && session::is_imported_map(session_part)) {
+    session().set_datum(*datum);
+  }
+  if (positions.empty()) return positions;
   if (!datum && parts_.empty()) return positions;
   if (!datum) {
     merged.notices.push_back(session_part.directory().string() +

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/session/imported_map.hpp"
 
 #include "report_figures.hpp"
 #include "run_record.hpp"
@@ -27,6 +28,9 @@ json::Json date_of(const ReportInput& input) {
 /// Describes unit and axes of the coordinates of map and trajectories.
 std::string coordinates_of(const ReportInput& input) {
   const auto datum = input.session.datum();
+  if (!datum && session::is_imported_map(input.session)) {
+    return "those of the imported map, m, less its origin in config.yaml";
+  }
   if (!datum) return "local, m: the first key frame is the origin, x forward, y left, z up";
   const std::string text = formatted("%.7f°, %.7f°, %.3f m above the ellipsoid (WGS 84)",
                                      datum->latitude_deg, datum->longitude_deg, datum->altitude_m);

@@ -234,6 +234,29 @@ TEST(Georeferencing, MovesWhatLoopsConnectAndNothingElse) {
   EXPECT_EQ(segments.drive.in_enu, (std::vector<bool>{true, true, false}));
 }
 
+// The older segment has no positions: a map from elsewhere, or a drive without a receiver.
+TEST(Georeferencing, AlignsWhatJoinsASegmentThatIsNotInEastNorthUp) {
+  Segments segments({kElsewhere, Pose()});
+  segments.add_gnss_to_segment(1);
+  segments.drive.in_enu[1] = true;
+  segments.add_loop(4, kSegmentNodes + 4);
+  connect_segments(segments.drive);
+  EXPECT_TRUE(segments.is_at(1, kElsewhere)) << "it is placed beside the older one";
+  EXPECT_FALSE(segments.drive.in_enu[1]);
+  EXPECT_TRUE(georeference(segments.drive, with_gnss(), false).newly_aligned);
+  for (const int segment : {0, 1}) EXPECT_TRUE(segments.is_at(segment, Pose(), 1e-6)) << segment;
+  EXPECT_EQ(segments.drive.in_enu, (std::vector<bool>{true, true}));
+}
+
+TEST(Georeferencing, KeepsWhatJoinsASegmentInEastNorthUp) {
+  Segments segments({Pose(), Pose()});
+  for (const int segment : {0, 1}) segments.add_gnss_to_segment(segment);
+  segments.drive.in_enu = {true, true};
+  segments.add_loop(4, kSegmentNodes + 4);
+  connect_segments(segments.drive);
+  EXPECT_EQ(segments.drive.in_enu, (std::vector<bool>{true, true}));
+}
+
 TEST(Georeferencing, AlignsTheBeginningIfTheWholeTrackHasDriftedTooFar) {
   Segments segments({kElsewhere});
   segments.add_gnss_to_segment(0);

@@ -22,6 +22,7 @@
 #include "bag_input.hpp"
 #include "campaign_case.hpp"
 #include "example_files.hpp"
+#include "map_input.hpp"
 #include "parameters/stage_files.hpp"
 #include "pcd_scan.hpp"
 #include "run_record.hpp"
@@ -242,6 +243,36 @@ Kind hdl_dump() {
           }};
 }
 
+/// Tiles of all encodings, their list, and the datum.
+void write_map(const fs::path& folder) {
+  std::string list = "x_resolution: 20.0\ny_resolution: 20.0\n";
+  for (const char* data : {"ascii", "binary", "binary_compressed"}) {
+    const std::string name = std::string(data) + ".pcd";
+    write_pcd(folder / name, data, false);
+    list += name + ": [0.0, 0.0]\n";
+  }
+  write_content(folder / "pointcloud_map_metadata.yaml", list);
+  write_content(folder / "map_projector_info.yaml",
+                "projector_type: LocalCartesian\nvertical_datum: WGS84\nmap_origin:\n"
+                "  latitude: 49.0\n  longitude: 8.4\n  altitude: 110.0\n");
+}
+
+Kind map_to_import() {
+  return {"map_to_import", write_map, [](const fs::path& folder) {
+            if (const auto datum = map_import::datum_beside(folder)) {
+              require(map_import::is_place(*datum), "a datum");
+            }
+            for (const fs::path& file : map_import::map_files(folder)) {
+              map_import::read_points(file, [](const std::vector<map_import::MapPoint>& points) {
+                for (const map_import::MapPoint& point : points) {
+                  require(point.p_map.norm() < 1e10, "a place beyond the Moon");
+                  require(std::isfinite(point.intensity), "an intensity");
+                }
+              });
+            }
+          }};
+}
+
 Kind campaign_cases() {
   return {"campaign_cases",
           [](const fs::path& folder) {
@@ -356,6 +387,7 @@ std::vector<Kind> kinds() {
           {"kitti_odometry", write_kitti_odometry, read_folder},
           {"scan_folder", write_scan_folder, read_folder},
           campaign_cases(),
+          map_to_import(),
           doubt(),
           run_record(),
           sentences()};

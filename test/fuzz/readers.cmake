@@ -72,6 +72,8 @@ set(reader_sources
   ${readers_root}/src/session/session_folder.cpp
   ${readers_root}/src/session/session_reading.cpp
   ${readers_root}/src/session/session_schema.cpp
+  ${readers_root}/src/map_import/map_input.cpp
+  ${readers_root}/src/map_import/map_points.cpp
   ${readers_root}/src/recordings/bag_input.cpp
   ${readers_root}/src/recordings/other_lidars.cpp
   ${readers_root}/src/campaign/campaign_case.cpp

@@ -13,6 +13,7 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/session/cloud_store.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "example_files.hpp"
@@ -195,6 +196,28 @@ void write_poses_and_scans(const fs::path& folder) {
                 "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n");
 }
 
+/// A street between two walls, as a map of two tiles.
+void write_tiles(const fs::path& folder) {
+  fs::create_directory(folder / "map");
+  std::string list = "x_resolution: 20.0\ny_resolution: 20.0\n";
+  for (const int corner : {0, 20}) {
+    PointCloud tile;
+    for (int i = 0; i < 100; ++i) {
+      const float x = static_cast<float>(corner) + 0.2F * static_cast<float>(i) + 0.1F;
+      for (int k = 0; k < 50; ++k) {
+        const float step = 0.2F * static_cast<float>(k);
+        tile.points.push_back({x, step + 0.1F, 0.0F, 1.0F});
+        tile.points.push_back({x, -0.1F, 0.5F * step, 2.0F});
+        tile.points.push_back({x, 10.1F, 0.5F * step, 3.0F});
+      }
+    }
+    const std::string name = std::to_string(corner) + "_0.pcd";
+    session::write_pcd(folder / "map" / name, tile);
+    list += name + ": [" + std::to_string(corner) + ", 0]\n";
+  }
+  write_content(folder / "map" / "pointcloud_map_metadata.yaml", list);
+}
+
 std::vector<Kind> kinds_of_recordings() {
   const Words map_bag = {"IN/a.bag", "-o", "OUT/town", "--formats", "pcd"};
   Words with_config = map_bag, with_overlays = map_bag;
@@ -320,6 +343,7 @@ std::vector<Kind> kinds_of_results() {
        "session.db",
        0,
        spoil_session},
+      {"import_map", write_tiles, "import_map", {"IN/map", "-o", "OUT/s"}, ""},
       {"odometry_campaign",
        [](const fs::path& folder) {
          write_content(folder / "cases.txt", "clean seed=3 scan_rate=10 every=2\n");

@@ -5,6 +5,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/session_merger.hpp"
+#include "lidar_mapping/session/imported_map.hpp"
 
 #include "near.hpp"
 #include "temporary_folder.hpp"
@@ -259,6 +260,23 @@ TEST(SessionMerger, ReportsPositionsWithoutDatum) {
   EXPECT_FALSE(merger.parts()[1].is_connected);
   ASSERT_EQ(merger.parts()[1].notices.size(), 1U);
   EXPECT_NE(merger.parts()[1].notices[0].find("datum"), std::string::npos);
+}
+
+// It lies in the frame of its datum without any position.
+TEST(SessionMerger, KeepsTheDatumOfAnImportedMap) {
+  const TemporaryFolder folder;
+  Session map = drive_with_scans(folder.path() / "a", 0, false);
+  map.set_datum(kFirstDatum);
+  map.set_configuration(session::kImportedMap, "map: town.pcd\n");
+  const Session drive = drive_with_gnss(folder.path() / "b", 1, kSecondDatum);
+  SessionMerger merger = merger_into(folder);
+  merger.add(map);
+  merger.add(drive);
+  merger.finish();
+  const Session merged = merged_session(folder);
+  EXPECT_EQ(merged.datum(), kFirstDatum);
+  ASSERT_FALSE(merged.gnss().empty());
+  EXPECT_TRUE(near(merged.gnss().front().p_enu_antenna, Eigen::Vector3d(300.0, 0.0, 0.0), 0.1));
 }
 
 }  // namespace

@@ -5,82 +5,18 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/units.hpp"
-#include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
-#include "file_content.hpp"
-#include "program.hpp"
-#include "temporary_folder.hpp"
+#include "localized_drives.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
 using test::content_of;
-using test::Program;
 using test::TemporaryFolder;
 using test::Words;
 
-/// The map of a part of the figure eight, made by an OS1-64, and other drives through it: of
-/// another day, with other cars, in the other direction, by another sensor.
-class LocalizeBag : public testing::Test {
- protected:
-  static const fs::path& root() {
-    static const TemporaryFolder folder;
-    return folder.path();
-  }
-  static int run(const std::string& program, const Words& words) {
-    return Program(program, words, root() / "log").wait();
-  }
-  static std::string said() { return content_of(root() / "log"); }
-  static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
-
-  /// Simulates a drive once; its truth lies beside it.
-  static std::string bag(const std::string& name, Words words) {
-    const fs::path path = root() / (name + ".bag");
-    if (fs::exists(path)) return path;
-    words.insert(words.begin(), {path.string(), "--drive", "figure_eight", "--truth",
-                                 (root() / (name + ".tum")).string()});
-    EXPECT_EQ(run("simulate_drive", words), 0) << said();
-    return path;
-  }
-  static std::string map() {
-    const fs::path session = root() / "map";
-    if (fs::exists(session)) return session;
-    const std::string drive = bag("mapping", {"--lidar", "os1_64", "--duration", "45"});
-    EXPECT_EQ(run("map_bag", {drive, "-o", session, "--no-map"}), 0) << said();
-    return session;
-  }
-  static std::string other_day() {
-    return bag("other_day", {"--lidar", "vlp16", "--pass", "1", "--parked", "1", "--start", "6",
-                             "--duration", "32"});
-  }
-  static std::string way_back() {
-    return bag("way_back", {"--lidar", "os1_64", "--pass", "2", "--parked", "2", "--reverse",
-                            "--start", "24", "--duration", "50"});
-  }
-  static int localize(const std::string& drive, const fs::path& output, Words more = {}) {
-    more.insert(more.begin(), {drive, map(), "-o", output.string()});
-    return run("localize_bag", more);
-  }
-
-  /// T_truth_map: where the map lies in the simulated world. The mapping drive's own errors of some
-  /// millimetres stay in the errors of a drive that is localised.
-  static Pose T_truth_map() {
-    return evaluation::rigid_alignment(
-        evaluation::associate(read_trajectory(root() / "mapping.tum"),
-                              read_trajectory(fs::path(map()) / "trajectory/optimized.tum")));
-  }
-  /// Errors of a localised drive against the truth of its bag.
-  static evaluation::PoseErrors errors_of(const std::string& name, const fs::path& output) {
-    const auto pairs = evaluation::associate(read_trajectory(root() / (name + ".tum")),
-                                             read_trajectory(output / "trajectory/localized.tum"));
-    const auto errors = evaluation::absolute_pose_error(evaluation::aligned(pairs, T_truth_map()));
-    std::printf("%s: %zu poses, %.3f m rms, %.3f m at most, %.3f degrees rms, %.3f at most\n",
-                name.c_str(), pairs.size(), errors.translation_m.rmse, errors.translation_m.max,
-                errors.rotation_deg.rmse, errors.rotation_deg.max);
-    return errors;
-  }
-};
+using LocalizeBag = test::LocalizedDrives;
 
 TEST_F(LocalizeBag, FindsADriveOfAnotherDayByAnotherSensor) {
   const fs::path output = root() / "day";

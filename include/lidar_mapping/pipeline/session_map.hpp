@@ -21,7 +21,8 @@ class SessionMap {
 
   /// The map for localization::Localizer, which must not outlive this object.
   localization::MapIndex& index() { return index_; }
-  /// Geodetic origin of the map, which is then East-North-Up; none without GNSS.
+  /// Geodetic origin of the map, which is then East-North-Up; none without GNSS, unless the map was
+  /// imported with a datum.
   std::optional<GeodeticDatum> datum() const;
   /// The points of all key frames in the map, one for each voxel of edge `resolution` (m); for
   /// display.

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "lidar_mapping/session/session.hpp"
+
+#include "map_import.hpp"
+#include "places.hpp"
+
+namespace lidar_mapping::map_import {
+
+/// What a session says of its map as a whole.
+struct MapDescription {
+  const ImportOptions& options;
+  Eigen::Vector3d origin;        ///< of the session's frame in that of the map, m
+  Eigen::Vector3d p_base_lidar;  ///< m
+  std::optional<GeodeticDatum> datum;
+};
+
+/// Writes the key frames of an imported map as those of one segment, with the poses of the map as
+/// odometry and as optimised poses.
+class SessionWriter {
+ public:
+  /// The session must outlive this object.
+  explicit SessionWriter(session::Session& session) : session_(session) {}
+
+  /// Writes datum, LiDAR and parameters; before the first key frame.
+  void describe(const MapDescription& description);
+  /// Writes a key frame with its cloud in base_link.
+  void add(const Place& place, PointCloud&& cloud);
+  /// Writes the poses of all key frames and the trajectory files.
+  void finish();
+
+  std::size_t key_frames() const { return poses_.poses.size(); }
+  std::uint64_t points() const { return points_; }  ///< of all key frames
+
+ private:
+  session::Session& session_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  KeyFramePoses poses_;
+  std::uint64_t points_ = 0;
+};
+
+}  // namespace lidar_mapping::map_import
