@@ -14,6 +14,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "display/path_display.hpp"
+#include "localization/matched_cloud.hpp"
 #include "worker_tasks.hpp"
 
 // Received scans, and what is published about them.
@@ -87,6 +88,7 @@ void LocalizationNode::advertise_topics() {
   status_ =
       context_.node.advertise<LocalizationStatusMessage>("localization_status", kPublisherQueue);
   map_cloud_ = context_.node.advertise<sensor_msgs::PointCloud2>("localization_map", 1, true);
+  scan_ = context_.node.advertise<sensor_msgs::PointCloud2>("localized_scan", 1);
 }
 
 void LocalizationNode::subscribe_all() {
@@ -158,7 +160,10 @@ void LocalizationNode::process(PairedScan&& paired) {
   const LocalizationResult result = place_->localizer.process(input);
   const double seconds = time.seconds();
   last_scan_ = ros::WallTime::now();
-  if (localization::has_pose(result.state)) publish_pose(result, paired.T_odom_base);
+  if (localization::has_pose(result.state)) {
+    publish_pose(result, paired.T_odom_base);
+    publish_scan(result);
+  }
   publish_status(result, seconds);
   report(result, seconds);
 }
@@ -192,6 +197,13 @@ void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose
   odometry.twist.twist = twist_;
   odometry_.publish(odometry);
   extend_path(result);
+}
+
+/// In the map, so that rviz shows it there without waiting for tf.
+void LocalizationNode::publish_scan(const LocalizationResult& result) {
+  if (scan_.getNumSubscribers() == 0) return;
+  scan_.publish(matched_cloud(place_->localizer.matched_points(), result.T_map_base, result.stamp,
+                              config_.node.map_frame));
 }
 
 void LocalizationNode::extend_path(const LocalizationResult& result) {

@@ -25,9 +25,9 @@
 namespace lidar_mapping::ros_border {
 
 /// Subscribed: current_scan and laser_odom of the front end, initialpose. Published: ~pose,
-/// localized_odom, localized_path, localization_status, localization_map (latched), tf map -> odom.
-/// Services: relocalize, load_map. Says so when no scans come, by the wall clock. Maps are read in
-/// a thread of their own; scans go on meanwhile.
+/// localized_odom, localized_path, localization_status, localized_scan (while somebody subscribes),
+/// localization_map (latched), tf map -> odom. Services: relocalize, load_map. Says so when no
+/// scans come, by the wall clock. Maps are read in a thread of their own; scans go on meanwhile.
 class LocalizationNode {
  public:
   using Config = LocalizationNodeConfig;
@@ -55,6 +55,7 @@ class LocalizationNode {
   void watch_scans();
   void process(PairedScan&& paired);
   void publish_pose(const localization::LocalizationResult& result, const Pose& T_odom_base);
+  void publish_scan(const localization::LocalizationResult& result);
   void extend_path(const localization::LocalizationResult& result);
   void publish_status(const localization::LocalizationResult& result, double seconds);
   void report(const localization::LocalizationResult& result, double seconds);
@@ -79,7 +80,7 @@ class LocalizationNode {
   std::string state_;           ///< that was logged last
   KeyFramePoses path_;
   KeyFrameIndex next_path_index_ = 0;
-  ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_;
+  ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_, scan_;
   std::vector<ros::Subscriber> subscribers_;
   Worker::ChannelId requests_;
   Worker loader_;

@@ -3,19 +3,26 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Path.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "lidar_mapping/localization/localizer.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 #include "bag_player.hpp"
 #include "listener.hpp"
 #include "near.hpp"
 #include "node_process.hpp"
+#include "scan_points.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {
@@ -91,6 +98,34 @@ class LocalizationNode : public testing::Test {
     return from_message(found->pose.pose);
   }
 
+  /// The message at a stamp; null if there is none.
+  template <typename Message>
+  static const Message* at_stamp(const std::vector<Message>& messages, const ros::Time& stamp) {
+    const auto found = std::find_if(messages.begin(), messages.end(), [&](const Message& message) {
+      return message.header.stamp == stamp;
+    });
+    return found == messages.end() ? nullptr : &*found;
+  }
+  /// The points of a scan at its pose, in their order, many of which the map knows.
+  static void expect_points_in_the_map(const sensor_msgs::PointCloud2& cloud,
+                                       const registration::NdtPoints& points,
+                                       const Pose& T_map_base) {
+    sensor_msgs::PointCloud2ConstIterator<float> x(cloud, "x"), y(cloud, "y"), z(cloud, "z"),
+        agreement(cloud, "agreement");
+    double sum = 0.0;
+    std::size_t known = 0;
+    for (std::size_t i = 0; i < points.size(); ++i, ++x, ++y, ++z, ++agreement) {
+      const Eigen::Vector3d p_base(points.x()[i], points.y()[i], points.z()[i]);
+      EXPECT_TRUE(near(T_map_base * p_base, Eigen::Vector3d(*x, *y, *z), 1e-3)) << i;
+      if (*agreement == localization::kNotInMap) continue;
+      EXPECT_TRUE(*agreement >= 0.0F && *agreement <= 1.0F) << *agreement;
+      sum += *agreement;
+      ++known;
+    }
+    EXPECT_GT(4 * known, points.size());
+    EXPECT_GT(sum, 0.3 * static_cast<double>(known));
+  }
+
   BagPlayer player_{bag("driven")};
   std::map<std::string, std::unique_ptr<NodeProcess>> nodes_;
   std::size_t sent_ = 0;
@@ -117,6 +152,33 @@ TEST_F(LocalizationNode, FindsItselfAndPublishesWhereItIs) {
   }
   EXPECT_EQ(path_.messages.back().header.frame_id, "map");
   EXPECT_GT(map_cloud_.messages.front().width, 1000U);
+}
+
+TEST_F(LocalizationNode, GivesTheMatchedPointsWithTheirAgreement) {
+  const Listener<sensor_msgs::PointCloud2> seen("current_scan"), matched("localized_scan");
+  ASSERT_TRUE(wait_until([&] { return seen.connected() && matched.connected(); }));
+  ros_border::SensorFrames frames;
+  const auto p_base_lidar = [&] { return frames.origin_of("velo_link", "base_link"); };
+  drive(40);
+  ASSERT_TRUE(wait_until([&] { return !matched.messages.empty() && p_base_lidar().has_value(); }));
+  const auto has_pose = [&](const auto& cloud) {
+    return at_stamp(pose_.messages, cloud.header.stamp) != nullptr;
+  };
+  EXPECT_TRUE(wait_until([&] {
+    return std::all_of(matched.messages.begin(), matched.messages.end(), has_pose);
+  })) << "without a pose there is nothing to show";
+  const auto cloud =
+      std::find_if(matched.messages.rbegin(), matched.messages.rend(), [&](const auto& message) {
+        return has_pose(message) && at_stamp(seen.messages, message.header.stamp) != nullptr;
+      });
+  ASSERT_NE(cloud, matched.messages.rend());
+  EXPECT_EQ(cloud->header.frame_id, "map");
+  const auto& scan = *at_stamp(seen.messages, cloud->header.stamp);
+  const registration::NdtPoints points =
+      localization::ScanSampler().sample(ros_border::from_message(scan), *p_base_lidar()).all;
+  ASSERT_EQ(cloud->width * cloud->height, points.size());
+  const auto& pose = *at_stamp(pose_.messages, cloud->header.stamp);
+  expect_points_in_the_map(*cloud, points, from_message(pose.pose.pose));
 }
 
 TEST_F(LocalizationNode, GivesTheTransformThatTheOdometryLacks) {
