@@ -57,6 +57,8 @@ Diagnostics::Level level_of(LocalizationState state) {
 LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
+      key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },  // there is no back end
+                  [this](const RunKeyFrame& received) { record(received); }),
       initial_pose_(initial_pose_of(config)),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       loader_([](const std::string& what, const std::string& problem) {
@@ -64,6 +66,7 @@ LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
       }),
       loads_(loader_.add_channel("reading the map", kPublisherQueue)) {
   advertise_topics();
+  if (config.record_session) scratch_.emplace(ros::this_node::getName());
   if (!config.map.empty()) {
     session::find_session(expanded_path(config.map));  // it has to exist
     loading_ = "reading the map " + config.map;
@@ -102,6 +105,7 @@ void LocalizationNode::subscribe_all() {
           Numbered::kYes),
       subscribe<geometry_msgs::PoseWithCovarianceStamped>(
           context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
+  if (config_.record_session) subscribe_drive();
 }
 
 void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
@@ -113,7 +117,11 @@ void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
   const double seconds = last_odometry_ ? to_seconds(stamp - *last_odometry_) : 0.0;
   last_odometry_ = stamp;
   twist_ = message.twist.twist;
-  pairing_.add({stamp, from_message(message.pose.pose), step_covariance(message, seconds)});
+  const Pose T_odom_base = from_message(message.pose.pose);
+  if (DriveRecorder* const recorder = present_recorder()) {
+    recorder->add_odometry(stamp, T_odom_base);
+  }
+  pairing_.add({stamp, T_odom_base, step_covariance(message, seconds)});
   process_ready();
 }
 
@@ -148,7 +156,10 @@ void LocalizationNode::process(PairedScan&& paired) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, loading_);
     return;
   }
-  if (initial_pose_) place_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+  if (initial_pose_) {
+    withdraw_place();
+    place_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+  }
   const ThreadTime time;
   localization::LocalizerInput input;
   input.scan = std::move(paired.scan);
@@ -166,6 +177,7 @@ void LocalizationNode::process(PairedScan&& paired) {
   }
   publish_status(result, seconds);
   report(result, seconds);
+  record(result);
 }
 
 /// Who waits for the next pose has to know that none will come. The place itself is kept: how

@@ -36,14 +36,21 @@ using session::Session;
 /// The nodes of localization.launch on a few seconds of a drive, in the map of another day.
 class LocalizationNode : public testing::Test {
  protected:
+  /// `more` are arguments of localization_node.
+  explicit LocalizationNode(const std::string& drive = "driven",
+                            const std::vector<std::string>& more = {})
+      : player_(bag(drive)), arguments_({"_lidar_frame:=velo_link", "_map:=" + map()}) {
+    arguments_.insert(arguments_.end(), more.begin(), more.end());
+  }
+
   static void SetUpTestSuite() {
+    if (owner()) return;  // of a suite before
     owner() = std::make_unique<TemporaryFolder>();
     run("simulate_drive", {bag("mapped"), "--lidar", "vlp16", "--duration", "16"});
     run("simulate_drive", {bag("driven"), "--lidar", "vlp16", "--pass", "1", "--parked", "1",
                            "--start", "3", "--duration", "13"});
     run("map_bag", {bag("mapped"), "-o", map(), "--no-map"});
   }
-  static void TearDownTestSuite() { owner().reset(); }
   static std::unique_ptr<TemporaryFolder>& owner() {
     static std::unique_ptr<TemporaryFolder> folder;
     return folder;
@@ -58,7 +65,7 @@ class LocalizationNode : public testing::Test {
   void SetUp() override {
     start("preprocessing_node", {});
     start("front_end_node", {"_lidar_frame:=velo_link"});
-    start("localization_node", {"_lidar_frame:=velo_link", "_map:=" + map()});
+    start("localization_node", arguments_);
     player_.advertise({"points", "imu", "velocity", "gnss", "tf_static"});
     ASSERT_TRUE(wait_until(
         [&] {
@@ -126,7 +133,8 @@ class LocalizationNode : public testing::Test {
     EXPECT_GT(sum, 0.3 * static_cast<double>(known));
   }
 
-  BagPlayer player_{bag("driven")};
+  BagPlayer player_;
+  std::vector<std::string> arguments_;
   std::map<std::string, std::unique_ptr<NodeProcess>> nodes_;
   std::size_t sent_ = 0;
   Listener<LocalizationStatusMessage> status_{"localization_status"};
@@ -225,6 +233,12 @@ TEST_F(LocalizationNode, SearchesAgainAndReadsAnotherMapWhenAsked) {
   EXPECT_TRUE(right.response.success) << right.response.message;
   drive(2);
   EXPECT_EQ(last().state, "searching") << last().reason;
+  SaveSession save;
+  save.request.path = owner()->path() / "not_recorded";
+  ASSERT_TRUE(ros::service::call("save_session", save));
+  EXPECT_FALSE(save.response.success);
+  EXPECT_NE(save.response.message.find("record_session: true"), std::string::npos)
+      << save.response.message;
 }
 
 TEST_F(LocalizationNode, SaysThatNoScansCome) {
@@ -236,6 +250,85 @@ TEST_F(LocalizationNode, SaysThatNoScansCome) {
   drive(10);
   EXPECT_GT(status_.messages.size(), silent);
   EXPECT_NE(last().reason.substr(0, 11), "no scan for");
+}
+
+/// The same with a drive that goes on beyond the map, and is recorded.
+class RecordedDrive : public LocalizationNode {
+ protected:
+  RecordedDrive() : LocalizationNode("beyond", {"_record_session:=true"}) {}
+
+  static void SetUpTestSuite() {
+    LocalizationNode::SetUpTestSuite();
+    run("simulate_drive", {bag("beyond"), "--lidar", "vlp16", "--pass", "1", "--parked", "1",
+                           "--start", "3", "--duration", "32"});
+  }
+  void SetUp() override {
+    LocalizationNode::SetUp();
+    ASSERT_TRUE(
+        wait_until([] { return is_connected("key_frame") && is_connected("front_end_status"); }));
+  }
+  static std::string folder(const std::string& name) { return owner()->path() / name; }
+  static SaveSession::Response save(const std::string& name) {
+    SaveSession call;
+    call.request.path = folder(name);
+    EXPECT_TRUE(ros::service::call("save_session", call));
+    return call.response;
+  }
+  /// No session is written, and the message says why.
+  static void expect_refused(const std::string& name, const std::string& reason) {
+    const SaveSession::Response answer = save(name);
+    EXPECT_FALSE(answer.success);
+    EXPECT_EQ(answer.key_frames, 0U);
+    EXPECT_NE(answer.message.find(reason), std::string::npos) << answer.message;
+  }
+  static Session opened(const std::string& path) {
+    return Session::open(path, Session::Access::kRead);
+  }
+};
+
+TEST_F(RecordedDrive, ExtendsTheMapByWhatLiesBeyondIt) {
+  drive();
+  const SaveSession::Response answer = save("extended");
+  ASSERT_TRUE(answer.success) << answer.message << "\n" << nodes_["localization_node"]->output();
+  EXPECT_NE(answer.message.find("new to the map: "), std::string::npos) << answer.message;
+  EXPECT_GT(answer.key_frames, 20U) << answer.message;
+  const Session extended = opened(folder("extended")), old = opened(map());
+  EXPECT_EQ(extended.key_frame_count(), old.key_frame_count() + answer.key_frames);
+  const KeyFrameIndex last_of_map = old.key_frames().back().index;
+  const Pose T_truth = T_truth_map();
+  for (const KeyFramePose& pose : extended.poses().poses) {
+    EXPECT_TRUE(extended.clouds().contains(pose.index)) << pose.index;
+    if (pose.index <= last_of_map) continue;
+    // The map lies askew by the noise of GNSS, and its end is far from its first key frame.
+    const Pose truth = truth_at(player_.truth(), pose.stamp);
+    EXPECT_TRUE(near(T_truth * pose.T_map_base, truth, 3.0, 0.05)) << pose.index;
+  }
+  EXPECT_FALSE(extended.scans().empty());
+  EXPECT_GT(extended.odometry().size(), old.odometry().size());
+  expect_refused("extended", "exists and is no empty folder");
+  const SaveSession::Response again = save("again");
+  EXPECT_TRUE(again.success) << again.message;
+  EXPECT_GE(again.key_frames, answer.key_frames);
+}
+
+TEST_F(RecordedDrive, SaysWhyThereIsNothingToSave) {
+  drive(3);
+  expect_refused("empty", "was not found in the map");
+  drive(50);
+  ASSERT_EQ(last().state, "following") << last().reason;
+  expect_refused("inside", "so no session is written");
+  Relocalize again;
+  ASSERT_TRUE(ros::service::call("relocalize", again));
+  expect_refused("withdrawn", "was not found in the map");
+  drive(40);
+  ASSERT_EQ(last().state, "following") << last().reason;
+  expect_refused("found_again", "so no session is written");
+  LoadMap other;
+  other.request.path = map();
+  ASSERT_TRUE(ros::service::call("load_map", other));
+  EXPECT_TRUE(other.response.success) << other.response.message;
+  expect_refused("anew", "was not found in the map");
+  expect_refused("", "exists and is no empty folder");
 }
 
 TEST(LocalizationNodeAlone, EndsForAMapThatDoesNotExist) {
