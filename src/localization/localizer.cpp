@@ -86,10 +86,15 @@ class Localizer::Impl {
   LocalizationResult process(const LocalizerInput& input) {
     check(input.scan.stamp);
     const double way = move(input);
-    const ScanPoints points = sampler_.sample(input.scan.cloud, input.p_base_lidar);
-    LocalizationResult result = found_ ? follow(input, points, way) : search(input, points, way);
+    points_ = sampler_.sample(input.scan.cloud, input.p_base_lidar);
+    LocalizationResult result = found_ ? follow(input, way) : search(input, way);
     result.stamp = input.scan.stamp;
     return result;
+  }
+
+  std::vector<MatchedPoint> matched_points() {
+    if (!found_) return {};
+    return matcher_.weighted(points_, map_.surfaces, found_->estimate().T_map_base);
   }
 
  private:
@@ -121,8 +126,8 @@ class Localizer::Impl {
     return 0.0;
   }
 
-  LocalizationResult follow(const LocalizerInput& input, const ScanPoints& points, double way) {
-    const Evidence evidence = found_->update(points, map_.surfaces, matcher_, way);
+  LocalizationResult follow(const LocalizerInput& input, double way) {
+    const Evidence evidence = found_->update(points_, map_.surfaces, matcher_, way);
     if (evidence == Evidence::kUnconfirmed) confirm(input, way);
     if (evidence == Evidence::kAgrees) {
       finder_.restart();
@@ -161,10 +166,10 @@ class Localizer::Impl {
     lost_because_ = reason;
   }
 
-  LocalizationResult search(const LocalizerInput& input, const ScanPoints& points, double way) {
+  LocalizationResult search(const LocalizerInput& input, double way) {
     if (claim_) finder_.claim(*claim_);
     claim_.reset();
-    const auto found = finder_.search(input, points, matcher_, way);
+    const auto found = finder_.search(input, points_, matcher_, way);
     LocalizationResult result;
     if (const Hypothesis* best = finder_.hypotheses().best()) result = described(*best);
     result.hypotheses = finder_.hypotheses().size();
@@ -195,6 +200,7 @@ class Localizer::Impl {
 
   MapParts& map_;
   ScanSampler sampler_;
+  ScanPoints points_;  ///< of the newest scan
   MapMatcher matcher_;
   PlaceFinder finder_;
   MapNoise map_noise_;
@@ -211,5 +217,6 @@ Localizer::~Localizer() = default;
 void Localizer::set_initial_pose(const Pose& T_map_base) { impl_->set_initial_pose(T_map_base); }
 void Localizer::restart() { impl_->restart(); }
 LocalizationResult Localizer::process(const LocalizerInput& input) { return impl_->process(input); }
+std::vector<MatchedPoint> Localizer::matched_points() { return impl_->matched_points(); }
 
 }  // namespace lidar_mapping::localization

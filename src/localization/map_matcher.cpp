@@ -76,6 +76,21 @@ MapMatch MapMatcher::match(const ScanPoints& points, MapSurfaces& map,
   return match;
 }
 
+/// The points have no times, so they are one slice, with its filling behind them.
+std::vector<MatchedPoint> MapMatcher::weighted(const ScanPoints& points, MapSurfaces& map,
+                                               const Pose& T_map_base) {
+  static_assert(registration::kNoPlane == kNotInMap);
+  map.set_center(T_map_base.translation);
+  const registration::NdtPoints& all = points.all;
+  const std::vector<float> weights =
+      matcher_.weights(all, map.fine(), registration::MotionState{T_map_base}, fine_options());
+  std::vector<MatchedPoint> result(all.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = {Eigen::Vector3f(all.x()[i], all.y()[i], all.z()[i]), weights[i]};
+  }
+  return result;
+}
+
 Agreement MapMatcher::agreement_at(const Pose& T_map_base, const ScanPoints& points,
                                    MapSurfaces& map) {
   const registration::MotionState state{T_map_base};

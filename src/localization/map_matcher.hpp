@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 #include "map_surfaces.hpp"
@@ -37,6 +40,9 @@ class MapMatcher {
   /// The best pose near the prediction, which counts with its covariance. Where the prediction is
   /// uncertain by more than the fine voxels attract, the coarse ones are matched first.
   MapMatch match(const ScanPoints& points, MapSurfaces& map, const PoseEstimate& predicted);
+  /// The points that match() aligns, with their weights at a pose.
+  std::vector<MatchedPoint> weighted(const ScanPoints& points, MapSurfaces& map,
+                                     const Pose& T_map_base);
 
  private:
   Agreement agreement_at(const Pose& T_map_base, const ScanPoints& points, MapSurfaces& map);

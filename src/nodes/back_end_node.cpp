@@ -15,6 +15,7 @@
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
+#include "scan_record.hpp"
 #include "worker_tasks.hpp"
 
 // Received messages, the run that they belong to, and its session.
@@ -49,18 +50,6 @@ nav_msgs::Odometry moved(const nav_msgs::Odometry& odometry, const Pose& T_map_o
   message.pose.covariance =
       to_array(rotation * from_array(odometry.pose.covariance) * rotation.transpose());
   return message;
-}
-
-session::ScanRecord to_record(const FrontEndStatusMessage& status) {
-  return {from_ros(status.header.stamp),
-          status.repeated ? "repeated" : status.state,
-          status.fitness,
-          status.overlap,
-          status.seconds,
-          std::int64_t{status.scans_dropped},
-          status.unobserved_stddev,
-          status.elevation_shift,
-          status.probability};
 }
 
 }  // namespace

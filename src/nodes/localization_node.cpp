@@ -14,6 +14,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "display/path_display.hpp"
+#include "localization/matched_cloud.hpp"
 #include "worker_tasks.hpp"
 
 // Received scans, and what is published about them.
@@ -56,6 +57,8 @@ Diagnostics::Level level_of(LocalizationState state) {
 LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
+      key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },  // there is no back end
+                  [this](const RunKeyFrame& received) { record(received); }),
       initial_pose_(initial_pose_of(config)),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       loader_([](const std::string& what, const std::string& problem) {
@@ -63,6 +66,7 @@ LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
       }),
       loads_(loader_.add_channel("reading the map", kPublisherQueue)) {
   advertise_topics();
+  if (config.record_session) scratch_.emplace(ros::this_node::getName());
   if (!config.map.empty()) {
     session::find_session(expanded_path(config.map));  // it has to exist
     loading_ = "reading the map " + config.map;
@@ -87,6 +91,7 @@ void LocalizationNode::advertise_topics() {
   status_ =
       context_.node.advertise<LocalizationStatusMessage>("localization_status", kPublisherQueue);
   map_cloud_ = context_.node.advertise<sensor_msgs::PointCloud2>("localization_map", 1, true);
+  scan_ = context_.node.advertise<sensor_msgs::PointCloud2>("localized_scan", 1);
 }
 
 void LocalizationNode::subscribe_all() {
@@ -100,6 +105,7 @@ void LocalizationNode::subscribe_all() {
           Numbered::kYes),
       subscribe<geometry_msgs::PoseWithCovarianceStamped>(
           context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
+  if (config_.record_session) subscribe_drive();
 }
 
 void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
@@ -111,7 +117,11 @@ void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
   const double seconds = last_odometry_ ? to_seconds(stamp - *last_odometry_) : 0.0;
   last_odometry_ = stamp;
   twist_ = message.twist.twist;
-  pairing_.add({stamp, from_message(message.pose.pose), step_covariance(message, seconds)});
+  const Pose T_odom_base = from_message(message.pose.pose);
+  if (DriveRecorder* const recorder = present_recorder()) {
+    recorder->add_odometry(stamp, T_odom_base);
+  }
+  pairing_.add({stamp, T_odom_base, step_covariance(message, seconds)});
   process_ready();
 }
 
@@ -146,7 +156,10 @@ void LocalizationNode::process(PairedScan&& paired) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, loading_);
     return;
   }
-  if (initial_pose_) place_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+  if (initial_pose_) {
+    withdraw_place();
+    place_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+  }
   const ThreadTime time;
   localization::LocalizerInput input;
   input.scan = std::move(paired.scan);
@@ -158,9 +171,13 @@ void LocalizationNode::process(PairedScan&& paired) {
   const LocalizationResult result = place_->localizer.process(input);
   const double seconds = time.seconds();
   last_scan_ = ros::WallTime::now();
-  if (localization::has_pose(result.state)) publish_pose(result, paired.T_odom_base);
+  if (localization::has_pose(result.state)) {
+    publish_pose(result, paired.T_odom_base);
+    publish_scan(result);
+  }
   publish_status(result, seconds);
   report(result, seconds);
+  record(result);
 }
 
 /// Who waits for the next pose has to know that none will come. The place itself is kept: how
@@ -192,6 +209,13 @@ void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose
   odometry.twist.twist = twist_;
   odometry_.publish(odometry);
   extend_path(result);
+}
+
+/// In the map, so that rviz shows it there without waiting for tf.
+void LocalizationNode::publish_scan(const LocalizationResult& result) {
+  if (scan_.getNumSubscribers() == 0) return;
+  scan_.publish(matched_cloud(place_->localizer.matched_points(), result.T_map_base, result.stamp,
+                              config_.node.map_frame));
 }
 
 void LocalizationNode::extend_path(const LocalizationResult& result) {

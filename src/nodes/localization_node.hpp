@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,19 +16,24 @@
 
 #include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
+#include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/scratch_folder.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
+#include "localization/drive_recorder.hpp"
 #include "localization/scan_pairing.hpp"
 #include "localization_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
 
-/// Subscribed: current_scan and laser_odom of the front end, initialpose. Published: ~pose,
-/// localized_odom, localized_path, localization_status, localization_map (latched), tf map -> odom.
-/// Services: relocalize, load_map. Says so when no scans come, by the wall clock. Maps are read in
-/// a thread of their own; scans go on meanwhile.
+/// Subscribed: current_scan and laser_odom of the front end, initialpose; with record_session its
+/// key_frame and front_end_status, too. Published: ~pose, localized_odom, localized_path,
+/// localization_status, localized_scan (while somebody subscribes), localization_map (latched), tf
+/// map -> odom. Services: relocalize, load_map, save_session. Says so when no scans come, by the
+/// wall clock. Maps are read, and sessions written, in a thread of their own; scans go on
+/// meanwhile.
 class LocalizationNode {
  public:
   using Config = LocalizationNodeConfig;
@@ -36,16 +42,24 @@ class LocalizationNode {
   ~LocalizationNode();
 
  private:
-  /// A map and the localisation in it.
+  /// A map, the localisation in it, and the drive there.
   struct Place {
     Place(const std::string& folder, const loop_closing::LoopClosingConfig& verification)
         : map(folder, verification, 1), localizer(map.index()) {}
     pipeline::SessionMap map;
     localization::Localizer localizer;
+    std::optional<DriveRecorder> recorder;
+    std::string why_not_recorded;  ///< if there is no recorder
+  };
+  /// What save_session takes from the worker.
+  struct DriveSoFar {
+    std::shared_ptr<const pipeline::MapExtender> extender;
+    pipeline::LocalizedDrive drive;
   };
 
   void advertise_topics();
   void subscribe_all();
+  void subscribe_drive();
   void advertise_services();
 
   void add_odometry(const nav_msgs::Odometry& message);
@@ -55,6 +69,7 @@ class LocalizationNode {
   void watch_scans();
   void process(PairedScan&& paired);
   void publish_pose(const localization::LocalizationResult& result, const Pose& T_odom_base);
+  void publish_scan(const localization::LocalizationResult& result);
   void extend_path(const localization::LocalizationResult& result);
   void publish_status(const localization::LocalizationResult& result, double seconds);
   void report(const localization::LocalizationResult& result, double seconds);
@@ -65,9 +80,22 @@ class LocalizationNode {
   bool relocalize(Relocalize::Request& request, Relocalize::Response& response);
   bool load_map(LoadMap::Request& request, LoadMap::Response& response);
 
+  void begin_recording(Place& place);
+  DriveRecorder* present_recorder();
+  void record(const RunKeyFrame& received);
+  void record(const localization::LocalizationResult& place);
+  void withdraw_place();
+  bool save_session(SaveSession::Request& request, SaveSession::Response& response);
+  DriveSoFar drive_so_far();
+  static SaveSession::Response saved(const DriveSoFar& recorded,
+                                     const std::filesystem::path& folder);
+
   Config config_;
   NodeContext& context_;
   ScanPairing pairing_;
+  std::optional<ScratchFolder> scratch_;  ///< with record_session
+  std::size_t recordings_ = 0;            ///< that the loader began
+  KeyFrameFeed key_frames_;
   SensorFrames sensor_frames_;
   TransformPublisher transforms_;
   std::shared_ptr<Place> place_;        ///< none until a map is read
@@ -79,14 +107,14 @@ class LocalizationNode {
   std::string state_;           ///< that was logged last
   KeyFramePoses path_;
   KeyFrameIndex next_path_index_ = 0;
-  ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_;
+  ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_, scan_;
   std::vector<ros::Subscriber> subscribers_;
   Worker::ChannelId requests_;
   Worker loader_;
   Worker::ChannelId loads_;
   ros::CallbackQueue service_queue_;
   std::vector<ros::ServiceServer> services_;
-  ros::AsyncSpinner service_spinner_{1, &service_queue_};
+  ros::AsyncSpinner service_spinner_{3, &service_queue_};  // one for each service: they wait
   ros::WallTimer scan_watch_;
 };
 

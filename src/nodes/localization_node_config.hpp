@@ -23,6 +23,9 @@ struct LocalizationNodeConfig {
   /// [m and degrees] Pose of the vehicle in the map at the first scan, right to some metres: x y z
   /// roll pitch yaw.
   std::vector<double> initial_pose = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  /// The drive is recorded for save_session. The clouds of all its key frames then lie in a folder
+  /// of TMPDIR until the node ends or reads another map.
+  bool record_session = false;
 
   static const config::Schema<LocalizationNodeConfig>& schema() {
     using Config = LocalizationNodeConfig;
@@ -40,7 +43,11 @@ struct LocalizationNodeConfig {
                      "The vehicle begins near initial_pose; otherwise it finds itself.")
             .reals("initial_pose", &Config::initial_pose, 6, "m and degrees",
                    "Pose of the vehicle in the map at the first scan, right to some metres: x y z "
-                   "roll pitch yaw.");
+                   "roll pitch yaw.")
+            .boolean(
+                "record_session", &Config::record_session,
+                "The drive is recorded for save_session. The clouds of all its key frames then "
+                "lie in a folder of TMPDIR until the node ends or reads another map.");
     return schema;
   }
 };

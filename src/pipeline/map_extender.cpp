@@ -12,8 +12,6 @@
 #include "lidar_mapping/pipeline/session_part.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
-#include "scan_odometry.hpp"
-
 namespace lidar_mapping::pipeline {
 
 namespace {
@@ -21,18 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using back_end::BackEndConfig;
 using session::Session;
-
-/// What the new session keeps of a scan.
-struct ScanOfDrive {
-  session::ScanRecord record;
-  Pose T_odom_base;
-};
-
-/// Hidden, beside the session, so that clouds can be linked.
-fs::path folder_beside(const fs::path& session) {
-  const fs::path whole = (fs::absolute(session) / "").lexically_normal().parent_path();
-  return whole.parent_path() / ("." + whole.filename().string() + ".drive.part");
-}
 
 /// The key frames of each stretch; a stretch is a segment of its own, because no odometry leads to
 /// it from the one before.
@@ -120,102 +106,153 @@ void merge(const Session& map, const Session& drive, const std::vector<Loop>& ti
                    "written; map the drive with map_bag and join the two with merge_sessions");
 }
 
+/// The stretches of a drive as a session, which goes with this object.
+class StretchSession {
+ public:
+  /// The clouds are links to those in `clouds`.
+  StretchSession(const fs::path& folder, const MapExtension& extension, const LocalizedDrive& drive,
+                 const session::CloudStore& clouds)
+      : folder_(folder) {
+    fs::remove_all(folder_);
+    session_ = std::make_unique<Session>(Session::create_in(folder_));
+    Session::Batch batch(*session_);
+    for (const KeyFrame& key_frame : key_frames_of(extension, drive.key_frames)) {
+      session_->add_key_frame(key_frame);
+      if (!clouds.contains(key_frame.index)) continue;
+      session_->clouds().link(key_frame.index, clouds.file(key_frame.index));
+    }
+    for (const NewStretch& stretch : extension.stretches) {
+      add_scans(drive, drive.key_frames[stretch.begin].key_frame.stamp,
+                drive.key_frames[stretch.end - 1].key_frame.stamp);
+    }
+    batch.commit();
+  }
+  ~StretchSession() {
+    session_.reset();
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  StretchSession(const StretchSession&) = delete;
+  StretchSession& operator=(const StretchSession&) = delete;
+
+  const Session& session() const { return *session_; }
+
+ private:
+  void add_scans(const LocalizedDrive& drive, Stamp first, Stamp last) {
+    for (const session::ScanRecord& scan : drive.scans) {
+      if (scan.stamp >= first && scan.stamp <= last) session_->add_scan(scan);
+    }
+    for (const auto& [stamp, T_odom_base] : drive.odometry) {
+      if (stamp >= first && stamp <= last) session_->add_odometry(stamp, T_odom_base);
+    }
+  }
+
+  const fs::path folder_;
+  std::unique_ptr<Session> session_;
+};
+
+BackEndConfig checked_config(const fs::path& map) {
+  const Session session = Session::open(map, Session::Access::kRead);
+  const BackEndConfig config = stored_config<BackEndConfig>(session);
+  if (config.use_loop_close) return config;
+  throw InputError("the map " + session.directory().string() +
+                   " was made with use_loop_close: false, and loops would hold what is added to "
+                   "it; make the map with use_loop_close: true");
+}
+
 }  // namespace
 
 class MapExtender::Impl {
  public:
-  Impl(const fs::path& map, const fs::path& session)
-      : map_(Session::open(map, Session::Access::kRead)),
-        config_(stored_config<BackEndConfig>(map_)),
-        session_(session),
-        folder_(folder_beside(session)) {
-    check_config();
-    fs::remove_all(folder_);
-    recorded_ = std::make_unique<Session>(Session::create_in(folder_));
-    recorded_->clouds().set_cache_bytes(0);  // nobody asks for them before the end
+  Impl(const fs::path& map, const fs::path& folder)
+      : map_(fs::canonical(session::find_session(map))),
+        config_(checked_config(map)),
+        folder_(folder),
+        clouds_(folder / "clouds", 0) {  // nobody asks for them before the end
+    std::error_code error;
+    fs::remove_all(folder_, error);
+    if (!error) fs::create_directories(folder_, error);
+    if (!error) return;
+    throw FileError("cannot make the folder " + folder_.string() + ": " + error.message() +
+                    "; check the path and the free space");
   }
   ~Impl() {
-    recorded_.reset();
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void add(const front_end::FrontEndResult& odometry,
-           const localization::LocalizationResult& place) {
-    scans_.push_back({record_of(odometry), odometry.T_odom_base});
-    if (!odometry.key_frame) return;
-    LocalizedKeyFrame localized{*odometry.key_frame, place};
-    KeyFrame& key_frame = localized.key_frame;
-    if (key_frame.cloud) recorded_->clouds().put(key_frame.index, key_frame.cloud);
-    key_frame.cloud = nullptr;
-    drive_.push_back(std::move(localized));
+  void add_scan(const session::ScanRecord& scan) { drive_.scans.push_back(scan); }
+  void add_odometry(Stamp stamp, const Pose& T_odom_base) {
+    drive_.odometry.emplace_back(stamp, T_odom_base);
   }
 
-  ExtensionReport write() {
-    const KeyFramePoses before = map_.poses();
+  void add_key_frame(const KeyFrame& key_frame, const localization::LocalizationResult& place) {
+    if (key_frame.cloud) clouds_.put(key_frame.index, key_frame.cloud);
+    drive_.key_frames.push_back({key_frame, place});
+    drive_.key_frames.back().key_frame.cloud = nullptr;
+  }
+
+  void withdraw_place() {
+    auto localized = drive_.key_frames.rbegin();
+    for (; localized != drive_.key_frames.rend(); ++localized) {
+      if (!localization::has_pose(localized->place.state)) return;
+      localized->place.state = localization::LocalizationState::kSearching;
+    }
+  }
+
+  const LocalizedDrive& drive() const { return drive_; }
+
+  ExtensionReport write(const LocalizedDrive& drive, const fs::path& session) const {
+    const Session map = Session::open(map_, Session::Access::kRead);
+    const KeyFramePoses before = map.poses();
     ExtensionReport report;
-    report.extension = plan_extension(drive_, before);
+    report.extension = plan_extension(drive.key_frames, before);
     if (report.is_written()) {
-      leave_out_contradicted(held_key_frames(map_, config_, report.extension, drive_),
+      leave_out_contradicted(held_key_frames(map, config_, report.extension, drive.key_frames),
                              report.extension);
     }
     if (!report.is_written()) return report;
-    record(report.extension);
-    report.key_frames = recorded_->key_frame_count();
-    const Session extended = session::create_filled(session_, [&](Session& out) {
-      merge(map_, *recorded_, ties_of(report.extension), config_, std::move(out));
+    const StretchSession stretches(folder_ / "stretches", report.extension, drive, clouds_);
+    report.key_frames = stretches.session().key_frame_count();
+    const Session extended = session::create_filled(session, [&](Session& out) {
+      merge(map, stretches.session(), ties_of(report.extension), config_, std::move(out));
     });
     report.largest_move = back_end::change_between(before, extended.poses()).largest;
     return report;
   }
 
  private:
-  void check_config() const {
-    if (config_.use_loop_close) return;
-    throw InputError("the map " + map_.directory().string() +
-                     " was made with use_loop_close: false, and loops would hold what is added to "
-                     "it; make the map with use_loop_close: true");
-  }
-
-  /// Stores the stretches as a drive of their own; their clouds are there already.
-  void record(const MapExtension& extension) {
-    Session::Batch batch(*recorded_);
-    for (const KeyFrame& key_frame : key_frames_of(extension, drive_)) {
-      recorded_->add_key_frame(key_frame);
-    }
-    for (const NewStretch& stretch : extension.stretches) {
-      record_scans(drive_[stretch.begin].key_frame.stamp, drive_[stretch.end - 1].key_frame.stamp);
-    }
-    batch.commit();
-  }
-
-  void record_scans(Stamp first, Stamp last) {
-    for (const ScanOfDrive& scan : scans_) {
-      if (scan.record.stamp < first || scan.record.stamp > last) continue;
-      recorded_->add_scan(scan.record);
-      recorded_->add_odometry(scan.record.stamp, scan.T_odom_base);
-    }
-  }
-
-  const Session map_;
+  const fs::path map_;
   const BackEndConfig config_;
-  const fs::path session_;
   const fs::path folder_;
-  std::unique_ptr<Session> recorded_;
-  std::vector<ScanOfDrive> scans_;
-  std::vector<LocalizedKeyFrame> drive_;
+  session::CloudStore clouds_;
+  LocalizedDrive drive_;
 };
 
-MapExtender::MapExtender(const fs::path& map, const fs::path& session)
-    : impl_(std::make_unique<Impl>(map, session)) {}
+/// It begins with a point, so nobody takes it for a session.
+fs::path folder_beside(const fs::path& session) {
+  const fs::path whole = (fs::absolute(session) / "").lexically_normal().parent_path();
+  return whole.parent_path() / ("." + whole.filename().string() + ".drive.part");
+}
+
+MapExtender::MapExtender(const fs::path& map, const fs::path& folder)
+    : impl_(std::make_unique<Impl>(map, folder)) {}
 MapExtender::~MapExtender() = default;
 
-void MapExtender::add(const front_end::FrontEndResult& odometry,
-                      const localization::LocalizationResult& place) {
-  impl_->add(odometry, place);
+void MapExtender::add_scan(const session::ScanRecord& scan) { impl_->add_scan(scan); }
+void MapExtender::add_odometry(Stamp stamp, const Pose& T_odom_base) {
+  impl_->add_odometry(stamp, T_odom_base);
 }
-ExtensionReport MapExtender::write() { return impl_->write(); }
+void MapExtender::add_key_frame(const KeyFrame& key_frame,
+                                const localization::LocalizationResult& place) {
+  impl_->add_key_frame(key_frame, place);
+}
+void MapExtender::withdraw_place() { impl_->withdraw_place(); }
+const LocalizedDrive& MapExtender::drive() const { return impl_->drive(); }
+ExtensionReport MapExtender::write(const LocalizedDrive& drive, const fs::path& session) const {
+  return impl_->write(drive, session);
+}
 
 }  // namespace lidar_mapping::pipeline

@@ -13,10 +13,6 @@
 
 namespace lidar_mapping::pipeline {
 
-/// What the session keeps of the front end's status. Computing times are left out, because they
-/// differ from run to run.
-session::ScanRecord record_of(const front_end::FrontEndResult& result);
-
 /// Turns scans into chunks of the drive with odometry and key frames. One thread calls it.
 class ScanOdometry {
  public:

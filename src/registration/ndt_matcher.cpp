@@ -6,6 +6,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "lidar_mapping/common/robust_weights.hpp"
+
 #include "ndt_kernels.hpp"
 #include "ndt_neighbors.hpp"
 #include "ndt_parts.hpp"
@@ -111,6 +113,15 @@ void write_figures(const FitSums& sum, std::size_t points, NdtMatch& match) {
   match.fitness = sum.inliers > 0.0 ? sum.squared_distance / sum.inliers : 0.0;
 }
 
+/// The weight that the kernels give to a point of the map; kNoPlane if its plane is none.
+float weight_of(const Eigen::Vector3f& point, const PlaneArrays& planes, std::size_t i,
+                double kernel) {
+  const Eigen::Vector3f normal(planes.x[i], planes.y[i], planes.z[i]);
+  if (!(normal.squaredNorm() > 0.0F)) return kNoPlane;
+  const float residual = normal.dot(point) - planes.offset[i];
+  return static_cast<float>(geman_mcclure_weight(residual, kernel));
+}
+
 }  // namespace
 
 MotionState perturbed(const MotionState& state, const Vector12d& d) {
@@ -175,6 +186,21 @@ class NdtMatcher::Impl {
     }
     write_figures(sum, points.size(), match);
     return match;
+  }
+
+  std::vector<float> weights(const NdtPoints& points, GaussianVoxelMap& map,
+                             const MotionState& state, const NdtOptions& options) {
+    begin(points, options);
+    locate(points, map, state);
+    std::vector<float> weights(points.padded_size(), kNoPlane);
+    for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
+      const PlaneArrays& planes = neighbors_.planes(neighbor);
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        weights[i] =
+            std::max(weights[i], weight_of(rotated_.position(i), planes, i, options.kernel));
+      }
+    }
+    return weights;
   }
 
  private:
@@ -253,6 +279,11 @@ NdtMatch NdtMatcher::match(const NdtPoints& points, GaussianVoxelMap& map,
 NdtMatch NdtMatcher::evaluate(const NdtPoints& points, GaussianVoxelMap& map,
                               const MotionState& state, const NdtOptions& options) {
   return impl_->evaluate(points, map, state, options);
+}
+
+std::vector<float> NdtMatcher::weights(const NdtPoints& points, GaussianVoxelMap& map,
+                                       const MotionState& state, const NdtOptions& options) {
+  return impl_->weights(points, map, state, options);
 }
 
 }  // namespace lidar_mapping::registration

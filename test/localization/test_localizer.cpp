@@ -71,6 +71,19 @@ TEST(Localizer, FindsItselfOnItsWayWithoutAnInitialPose) {
   EXPECT_GT(results.back().probability, 0.99);
 }
 
+TEST(Localizer, GivesTheMatchedPointsWhileThereIsAPose) {
+  Vehicle vehicle(town(), town_map());
+  Localizer& localizer = vehicle.localizer();
+  EXPECT_TRUE(localizer.matched_points().empty());
+  for (const Pose& pose : line({-50.0, -1.0}, {0.0, -1.0})) {
+    const LocalizationResult result = vehicle.go_to(pose);
+    EXPECT_EQ(localizer.matched_points().empty(), !has_pose(result.state)) << result.reason;
+  }
+  EXPECT_GT(localizer.matched_points().size(), 150U);
+  localizer.restart();
+  EXPECT_TRUE(localizer.matched_points().empty());
+}
+
 TEST(Localizer, FindsItselfInTheOppositeDirectionOnTheOtherLane) {
   Vehicle vehicle(town(), town_map());
   const auto path = line({20.0, 2.0}, {-40.0, 2.0});

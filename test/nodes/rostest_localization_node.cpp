@@ -3,19 +3,26 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Path.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "lidar_mapping/localization/localizer.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 #include "bag_player.hpp"
 #include "listener.hpp"
 #include "near.hpp"
 #include "node_process.hpp"
+#include "scan_points.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {
@@ -29,14 +36,21 @@ using session::Session;
 /// The nodes of localization.launch on a few seconds of a drive, in the map of another day.
 class LocalizationNode : public testing::Test {
  protected:
+  /// `more` are arguments of localization_node.
+  explicit LocalizationNode(const std::string& drive = "driven",
+                            const std::vector<std::string>& more = {})
+      : player_(bag(drive)), arguments_({"_lidar_frame:=velo_link", "_map:=" + map()}) {
+    arguments_.insert(arguments_.end(), more.begin(), more.end());
+  }
+
   static void SetUpTestSuite() {
+    if (owner()) return;  // of a suite before
     owner() = std::make_unique<TemporaryFolder>();
     run("simulate_drive", {bag("mapped"), "--lidar", "vlp16", "--duration", "16"});
     run("simulate_drive", {bag("driven"), "--lidar", "vlp16", "--pass", "1", "--parked", "1",
                            "--start", "3", "--duration", "13"});
     run("map_bag", {bag("mapped"), "-o", map(), "--no-map"});
   }
-  static void TearDownTestSuite() { owner().reset(); }
   static std::unique_ptr<TemporaryFolder>& owner() {
     static std::unique_ptr<TemporaryFolder> folder;
     return folder;
@@ -51,7 +65,7 @@ class LocalizationNode : public testing::Test {
   void SetUp() override {
     start("preprocessing_node", {});
     start("front_end_node", {"_lidar_frame:=velo_link"});
-    start("localization_node", {"_lidar_frame:=velo_link", "_map:=" + map()});
+    start("localization_node", arguments_);
     player_.advertise({"points", "imu", "velocity", "gnss", "tf_static"});
     ASSERT_TRUE(wait_until(
         [&] {
@@ -91,7 +105,36 @@ class LocalizationNode : public testing::Test {
     return from_message(found->pose.pose);
   }
 
-  BagPlayer player_{bag("driven")};
+  /// The message at a stamp; null if there is none.
+  template <typename Message>
+  static const Message* at_stamp(const std::vector<Message>& messages, const ros::Time& stamp) {
+    const auto found = std::find_if(messages.begin(), messages.end(), [&](const Message& message) {
+      return message.header.stamp == stamp;
+    });
+    return found == messages.end() ? nullptr : &*found;
+  }
+  /// The points of a scan at its pose, in their order, many of which the map knows.
+  static void expect_points_in_the_map(const sensor_msgs::PointCloud2& cloud,
+                                       const registration::NdtPoints& points,
+                                       const Pose& T_map_base) {
+    sensor_msgs::PointCloud2ConstIterator<float> x(cloud, "x"), y(cloud, "y"), z(cloud, "z"),
+        agreement(cloud, "agreement");
+    double sum = 0.0;
+    std::size_t known = 0;
+    for (std::size_t i = 0; i < points.size(); ++i, ++x, ++y, ++z, ++agreement) {
+      const Eigen::Vector3d p_base(points.x()[i], points.y()[i], points.z()[i]);
+      EXPECT_TRUE(near(T_map_base * p_base, Eigen::Vector3d(*x, *y, *z), 1e-3)) << i;
+      if (*agreement == localization::kNotInMap) continue;
+      EXPECT_TRUE(*agreement >= 0.0F && *agreement <= 1.0F) << *agreement;
+      sum += *agreement;
+      ++known;
+    }
+    EXPECT_GT(4 * known, points.size());
+    EXPECT_GT(sum, 0.3 * static_cast<double>(known));
+  }
+
+  BagPlayer player_;
+  std::vector<std::string> arguments_;
   std::map<std::string, std::unique_ptr<NodeProcess>> nodes_;
   std::size_t sent_ = 0;
   Listener<LocalizationStatusMessage> status_{"localization_status"};
@@ -117,6 +160,33 @@ TEST_F(LocalizationNode, FindsItselfAndPublishesWhereItIs) {
   }
   EXPECT_EQ(path_.messages.back().header.frame_id, "map");
   EXPECT_GT(map_cloud_.messages.front().width, 1000U);
+}
+
+TEST_F(LocalizationNode, GivesTheMatchedPointsWithTheirAgreement) {
+  const Listener<sensor_msgs::PointCloud2> seen("current_scan"), matched("localized_scan");
+  ASSERT_TRUE(wait_until([&] { return seen.connected() && matched.connected(); }));
+  ros_border::SensorFrames frames;
+  const auto p_base_lidar = [&] { return frames.origin_of("velo_link", "base_link"); };
+  drive(40);
+  ASSERT_TRUE(wait_until([&] { return !matched.messages.empty() && p_base_lidar().has_value(); }));
+  const auto has_pose = [&](const auto& cloud) {
+    return at_stamp(pose_.messages, cloud.header.stamp) != nullptr;
+  };
+  EXPECT_TRUE(wait_until([&] {
+    return std::all_of(matched.messages.begin(), matched.messages.end(), has_pose);
+  })) << "without a pose there is nothing to show";
+  const auto cloud =
+      std::find_if(matched.messages.rbegin(), matched.messages.rend(), [&](const auto& message) {
+        return has_pose(message) && at_stamp(seen.messages, message.header.stamp) != nullptr;
+      });
+  ASSERT_NE(cloud, matched.messages.rend());
+  EXPECT_EQ(cloud->header.frame_id, "map");
+  const auto& scan = *at_stamp(seen.messages, cloud->header.stamp);
+  const registration::NdtPoints points =
+      localization::ScanSampler().sample(ros_border::from_message(scan), *p_base_lidar()).all;
+  ASSERT_EQ(cloud->width * cloud->height, points.size());
+  const auto& pose = *at_stamp(pose_.messages, cloud->header.stamp);
+  expect_points_in_the_map(*cloud, points, from_message(pose.pose.pose));
 }
 
 TEST_F(LocalizationNode, GivesTheTransformThatTheOdometryLacks) {
@@ -163,6 +233,12 @@ TEST_F(LocalizationNode, SearchesAgainAndReadsAnotherMapWhenAsked) {
   EXPECT_TRUE(right.response.success) << right.response.message;
   drive(2);
   EXPECT_EQ(last().state, "searching") << last().reason;
+  SaveSession save;
+  save.request.path = owner()->path() / "not_recorded";
+  ASSERT_TRUE(ros::service::call("save_session", save));
+  EXPECT_FALSE(save.response.success);
+  EXPECT_NE(save.response.message.find("record_session: true"), std::string::npos)
+      << save.response.message;
 }
 
 TEST_F(LocalizationNode, SaysThatNoScansCome) {
@@ -174,6 +250,85 @@ TEST_F(LocalizationNode, SaysThatNoScansCome) {
   drive(10);
   EXPECT_GT(status_.messages.size(), silent);
   EXPECT_NE(last().reason.substr(0, 11), "no scan for");
+}
+
+/// The same with a drive that goes on beyond the map, and is recorded.
+class RecordedDrive : public LocalizationNode {
+ protected:
+  RecordedDrive() : LocalizationNode("beyond", {"_record_session:=true"}) {}
+
+  static void SetUpTestSuite() {
+    LocalizationNode::SetUpTestSuite();
+    run("simulate_drive", {bag("beyond"), "--lidar", "vlp16", "--pass", "1", "--parked", "1",
+                           "--start", "3", "--duration", "32"});
+  }
+  void SetUp() override {
+    LocalizationNode::SetUp();
+    ASSERT_TRUE(
+        wait_until([] { return is_connected("key_frame") && is_connected("front_end_status"); }));
+  }
+  static std::string folder(const std::string& name) { return owner()->path() / name; }
+  static SaveSession::Response save(const std::string& name) {
+    SaveSession call;
+    call.request.path = folder(name);
+    EXPECT_TRUE(ros::service::call("save_session", call));
+    return call.response;
+  }
+  /// No session is written, and the message says why.
+  static void expect_refused(const std::string& name, const std::string& reason) {
+    const SaveSession::Response answer = save(name);
+    EXPECT_FALSE(answer.success);
+    EXPECT_EQ(answer.key_frames, 0U);
+    EXPECT_NE(answer.message.find(reason), std::string::npos) << answer.message;
+  }
+  static Session opened(const std::string& path) {
+    return Session::open(path, Session::Access::kRead);
+  }
+};
+
+TEST_F(RecordedDrive, ExtendsTheMapByWhatLiesBeyondIt) {
+  drive();
+  const SaveSession::Response answer = save("extended");
+  ASSERT_TRUE(answer.success) << answer.message << "\n" << nodes_["localization_node"]->output();
+  EXPECT_NE(answer.message.find("new to the map: "), std::string::npos) << answer.message;
+  EXPECT_GT(answer.key_frames, 20U) << answer.message;
+  const Session extended = opened(folder("extended")), old = opened(map());
+  EXPECT_EQ(extended.key_frame_count(), old.key_frame_count() + answer.key_frames);
+  const KeyFrameIndex last_of_map = old.key_frames().back().index;
+  const Pose T_truth = T_truth_map();
+  for (const KeyFramePose& pose : extended.poses().poses) {
+    EXPECT_TRUE(extended.clouds().contains(pose.index)) << pose.index;
+    if (pose.index <= last_of_map) continue;
+    // The map lies askew by the noise of GNSS, and its end is far from its first key frame.
+    const Pose truth = truth_at(player_.truth(), pose.stamp);
+    EXPECT_TRUE(near(T_truth * pose.T_map_base, truth, 3.0, 0.05)) << pose.index;
+  }
+  EXPECT_FALSE(extended.scans().empty());
+  EXPECT_GT(extended.odometry().size(), old.odometry().size());
+  expect_refused("extended", "exists and is no empty folder");
+  const SaveSession::Response again = save("again");
+  EXPECT_TRUE(again.success) << again.message;
+  EXPECT_GE(again.key_frames, answer.key_frames);
+}
+
+TEST_F(RecordedDrive, SaysWhyThereIsNothingToSave) {
+  drive(3);
+  expect_refused("empty", "was not found in the map");
+  drive(50);
+  ASSERT_EQ(last().state, "following") << last().reason;
+  expect_refused("inside", "so no session is written");
+  Relocalize again;
+  ASSERT_TRUE(ros::service::call("relocalize", again));
+  expect_refused("withdrawn", "was not found in the map");
+  drive(40);
+  ASSERT_EQ(last().state, "following") << last().reason;
+  expect_refused("found_again", "so no session is written");
+  LoadMap other;
+  other.request.path = map();
+  ASSERT_TRUE(ros::service::call("load_map", other));
+  EXPECT_TRUE(other.response.success) << other.response.message;
+  expect_refused("anew", "was not found in the map");
+  expect_refused("", "exists and is no empty folder");
 }
 
 TEST(LocalizationNodeAlone, EndsForAMapThatDoesNotExist) {

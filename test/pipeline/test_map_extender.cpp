@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -43,18 +44,22 @@ class MapExtenderTest : public testing::Test {
   fs::path map() const { return folder_.path() / "map"; }
   fs::path extended() const { return folder_.path() / "extended"; }
 
-  /// Extends the map by a drive of which each scan is a key frame.
-  ExtensionReport extend(const std::vector<LocalizedKeyFrame>& drive) const {
-    MapExtender extender(map(), extended());
+  /// Adds a part of a drive of which each scan is a key frame.
+  static void add(const std::vector<LocalizedKeyFrame>& drive, MapExtender& extender) {
     for (const LocalizedKeyFrame& scan : drive) {
-      front_end::FrontEndResult odometry;
-      odometry.stamp = scan.key_frame.stamp;
-      odometry.T_odom_base = scan.key_frame.T_odom_base;
-      odometry.segment = scan.key_frame.segment;
-      odometry.key_frame = scan.key_frame;
-      extender.add(odometry, scan.place);
+      const Stamp stamp = scan.key_frame.stamp;
+      session::ScanRecord record;
+      record.stamp = stamp;
+      record.state = "tracking";
+      extender.add_scan(record);
+      extender.add_odometry(stamp, scan.key_frame.T_odom_base);
+      extender.add_key_frame(scan.key_frame, scan.place);
     }
-    return extender.write();
+  }
+  ExtensionReport extend(const std::vector<LocalizedKeyFrame>& drive) const {
+    MapExtender extender(map(), folder_beside(extended()));
+    add(drive, extender);
+    return extender.write(extender.drive(), extended());
   }
   /// Names of what lies in the folder of the map.
   std::vector<std::string> left_behind() const {
@@ -124,6 +129,50 @@ TEST_F(MapExtenderTest, LeavesOutAStretchWhoseTiesContradictEachOther) {
   EXPECT_EQ(left_behind(), std::vector<std::string>{"map"});
 }
 
+// The first half of what is new is written while the drive goes on.
+TEST_F(MapExtenderTest, WritesWhatThereIsSoFarAsOftenAsItIsAsked) {
+  const auto drive = street_drive(times(30, 'f') + times(40, 'b'), 20);
+  const auto middle = drive.begin() + 50;
+  MapExtender extender(map(), folder_beside(extended()));
+  add({drive.begin(), middle}, extender);
+  const LocalizedDrive half = extender.drive();
+  add({middle, drive.end()}, extender);
+  EXPECT_EQ(extender.write(half, extended()).key_frames, 35U);
+  const fs::path whole = folder_.path() / "whole";
+  EXPECT_EQ(extender.write(extender.drive(), whole).key_frames, 55U);
+  EXPECT_EQ(opened(extended()).key_frame_count(), 51U + 35U);
+  EXPECT_EQ(opened(whole).key_frame_count(), 51U + 55U);
+  EXPECT_EQ(opened(whole).scans().size(), 55U);
+  EXPECT_THROW(extender.write(extender.drive(), whole), FileError) << "it exists";
+}
+
+TEST_F(MapExtenderTest, TakesTheCloudsOfWhatIsNew) {
+  auto drive = street_drive(times(30, 'f') + times(20, 'b'), 20);
+  PointCloud points;
+  points.points.push_back({1.0F, 2.0F, 3.0F, 0.5F});
+  for (const std::size_t i : {0, 40}) {
+    drive[i].key_frame.cloud = std::make_shared<const PointCloud>(points);
+  }
+  ASSERT_TRUE(extend(drive).is_written());
+  const Session session = opened(extended());
+  const PointCloudPtr cloud = session.clouds().cloud(51 + 40);
+  ASSERT_NE(cloud, nullptr);
+  ASSERT_EQ(cloud->size(), 1U);
+  EXPECT_EQ(cloud->points.front().y, 2.0F);
+  EXPECT_FALSE(session.clouds().contains(51)) << "the map knows what lies there";
+}
+
+// Three places were claimed: a right one, none, and one that a person says is wrong.
+TEST_F(MapExtenderTest, ForgetsAPlaceThatAPersonWithdraws) {
+  MapExtender extender(map(), folder_beside(extended()));
+  add(street_drive(times(5, 'f') + times(2, 's') + times(3, 'f') + "b", 20), extender);
+  extender.withdraw_place();
+  for (std::size_t i = 0; i < 11; ++i) {
+    const bool has_pose = localization::has_pose(extender.drive().key_frames[i].place.state);
+    EXPECT_EQ(has_pose, i < 5) << i;
+  }
+}
+
 TEST_F(MapExtenderTest, WritesNothingWhereNothingIsNew) {
   const ExtensionReport report = extend(street_drive(times(30, 'f'), 10));
   EXPECT_FALSE(report.is_written());
@@ -136,7 +185,7 @@ TEST_F(MapExtenderTest, RefusesAMapWhoseGraphUsesNoLoops) {
     Session session = Session::open(map(), Session::Access::kWrite);
     session.set_configuration("back_end", "use_loop_close: false\n");
   }
-  EXPECT_THROW(MapExtender(map(), extended()), InputError);
+  EXPECT_THROW(MapExtender(map(), folder_beside(extended())), InputError);
   EXPECT_EQ(left_behind(), std::vector<std::string>{"map"});
 }
 

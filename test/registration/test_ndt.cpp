@@ -138,6 +138,32 @@ TEST(NdtMatcher, SaysThatNothingFits) {
   EXPECT_EQ(match.quality, 0.0);
 }
 
+TEST(NdtMatcher, WeighsEachPointAsItDoesAllOfThem) {
+  GaussianVoxelMap map = corner_map();
+  PointCloud scene = test::street_corner(2, 3000, 0.02);
+  for (float z = 20.0F; z < 30.0F; z += 0.1F) {  // the map has nothing there
+    scene.points.push_back({0.0F, 0.0F, z, 0.0F});
+  }
+  const NdtPoints points = seen_from(MotionState{}, scene);
+  const MotionState state{Pose{exp_so3({0.0, 0.0, 0.005}), {0.05, 0.02, 0.0}}, Vector6d::Zero()};
+  NdtMatcher matcher;
+  const NdtMatch fit = matcher.evaluate(points, map, state, {});
+  const std::vector<float> weights = matcher.weights(points, map, state, {});
+  ASSERT_EQ(weights.size(), points.padded_size());
+  double sum = 0.0, paired = 0.0;
+  for (const float weight : weights) {
+    if (weight == kNoPlane) continue;
+    EXPECT_GE(weight, 0.0F);
+    EXPECT_LE(weight, 1.0F);
+    sum += weight;
+    ++paired;
+  }
+  const auto count = static_cast<double>(points.size());
+  EXPECT_NEAR(sum / count, fit.quality, 1e-4);
+  EXPECT_NEAR(paired / count, fit.overlap, 1e-9);
+  EXPECT_LT(paired, count - 99.0);
+}
+
 struct Arrays {
   std::vector<float> x, y, z, s, nx, ny, nz, d;
 

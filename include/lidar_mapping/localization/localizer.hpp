@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
@@ -52,6 +53,16 @@ struct LocalizationResult {
   std::size_t hypotheses = 0;  ///< number of places that are possible
 };
 
+/// Agreement of a point in a voxel of which the map knows no surface. Chosen: no weight is
+/// negative.
+constexpr float kNotInMap = -1.0F;
+
+/// A point of a scan that was matched with the map.
+struct MatchedPoint {
+  Eigen::Vector3f p_base = Eigen::Vector3f::Zero();  ///< m
+  float agreement = kNotInMap;                       ///< its robust weight, 0 to 1, or kNotInMap
+};
+
 /// Finds a vehicle in a finished map without an initial pose, and follows it there, scan by scan
 /// (doc/localization.md). Uses no clock and no files of its own. One thread at a time uses it.
 class Localizer {
@@ -68,6 +79,10 @@ class Localizer {
   void restart();
   /// Throws InputError if the stamp does not increase.
   LocalizationResult process(const LocalizerInput& input);
+  /// The points of the newest scan that were matched, and how well they fit to the map at the pose
+  /// of its result; none without a pose. They cost time only when they are asked for: about as much
+  /// as an iteration of the match.
+  std::vector<MatchedPoint> matched_points();
 
  private:
   class Impl;

@@ -79,6 +79,9 @@ struct NdtSlice {
   NdtPart part;       ///< the normal equations
 };
 
+/// What NdtMatcher::weights() gives a point without a plane. Chosen: no weight is negative.
+constexpr float kNoPlane = -1.0F;
+
 /// Where the points fit best, and how well.
 struct NdtMatch {
   MotionState state;       ///< where the search ended
@@ -120,6 +123,11 @@ class NdtMatcher {
   /// How well the points fit at `state`, without moving it: all but the information.
   NdtMatch evaluate(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state,
                     const NdtOptions& options);
+  /// The robust weight of each point at `state`, 0 to 1, or kNoPlane; of a point with several
+  /// planes the greatest one. In the order of the points' arrays, with their filling, which has no
+  /// planes.
+  std::vector<float> weights(const NdtPoints& points, GaussianVoxelMap& map,
+                             const MotionState& state, const NdtOptions& options);
 
  private:
   class Impl;

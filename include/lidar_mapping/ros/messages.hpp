@@ -33,6 +33,7 @@
 #include <lidar_mapping/OptimizeMap.h>
 #include <lidar_mapping/Relocalize.h>
 #include <lidar_mapping/SaveMap.h>
+#include <lidar_mapping/SaveSession.h>
 #include <lidar_mapping/SyncedInputs.h>
 #undef Floor
 #undef FrontEndStatus

@@ -27,7 +27,8 @@ void LocalizationNode::advertise_services() {
   ros::NodeHandle node(context_.node);
   node.setCallbackQueue(&service_queue_);
   services_ = {node.advertiseService("relocalize", &LocalizationNode::relocalize, this),
-               node.advertiseService("load_map", &LocalizationNode::load_map, this)};
+               node.advertiseService("load_map", &LocalizationNode::load_map, this),
+               node.advertiseService("save_session", &LocalizationNode::save_session, this)};
   service_spinner_.start();
 }
 
@@ -48,6 +49,7 @@ void LocalizationNode::load_first(const std::string& folder) {
 /// until then, also if this one cannot be read. Throws Error.
 std::string LocalizationNode::load(const std::string& folder) {
   auto place = std::make_shared<Place>(expanded_path(folder), config_.stage);
+  begin_recording(*place);
   const auto cloud = std::make_shared<PointCloud>(place->map.cloud(kDisplayResolution));
   const std::string summary = summary_of(place->map);
   context_.worker.post(requests_, [this, place, cloud] { use(place, *cloud); });
@@ -67,6 +69,7 @@ bool LocalizationNode::relocalize(Relocalize::Request&, Relocalize::Response& re
   return answered(response, [this] {
     return result_in(context_.worker, requests_, [this] {
       if (!place_) throw InputError(loading_);
+      withdraw_place();
       place_->localizer.restart();
       Relocalize::Response given;
       given.success = true;

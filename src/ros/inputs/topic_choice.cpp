@@ -74,10 +74,10 @@ void split_points(SensorTopics& wanted) {
 
 const std::vector<std::string>& own_outputs() {
   static const std::vector<std::string> names = {
-      "synced_cloud",   "current_scan",          "local_map",      "global_map",
-      "floor_points",   "floor_filtered_points", "synced_imu",     "synced_gnss",
-      "gnss_datum",     "synced_velocity",       "synced_inputs",  "laser_odom",
-      "optimized_odom", "ground_truth",          "localized_odom", "localization_map"};
+      "synced_cloud",          "current_scan",  "local_map",      "global_map",   "floor_points",
+      "floor_filtered_points", "synced_imu",    "synced_gnss",    "gnss_datum",   "synced_velocity",
+      "synced_inputs",         "laser_odom",    "optimized_odom", "ground_truth", "localized_odom",
+      "localization_map",      "localized_scan"};
   return names;
 }
 

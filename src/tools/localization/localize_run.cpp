@@ -12,6 +12,7 @@
 #include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/pipeline/map_extender.hpp"
 #include "lidar_mapping/pipeline/recorded_odometry.hpp"
+#include "lidar_mapping/pipeline/scan_record.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
 
 #include "localization/localize_files.hpp"
@@ -49,13 +50,20 @@ class LocalizedDrive {
     path_ += input.T_previous_base.translation.norm();
     LocalizedScan localized{localizer_.process(input), path_, 0.0};
     localized.seconds = time.seconds();
-    if (extender_ != nullptr) extender_->add(scan.result, localized.result);
+    if (extender_ != nullptr) extend(scan.result, localized.result);
     scans_.push_back(std::move(localized));
   }
 
   const std::vector<LocalizedScan>& scans() const { return scans_; }
 
  private:
+  void extend(const front_end::FrontEndResult& odometry,
+              const localization::LocalizationResult& place) {
+    extender_->add_scan(pipeline::record_of(odometry));
+    extender_->add_odometry(odometry.stamp, odometry.T_odom_base);
+    if (odometry.key_frame) extender_->add_key_frame(*odometry.key_frame, place);
+  }
+
   struct Odometry {
     Pose T_odom_base;
     std::uint32_t segment = 0;
@@ -103,7 +111,9 @@ class LocalizingRun {
     const RecordingPart part(*drive.input, options_.start, options_.duration);
     pipeline::SessionMap map(options_.map, stages_.pipeline.loop_closing, stages_.pipeline.threads);
     print_map(map);
-    if (!options_.extend.empty()) extender_.emplace(options_.map, options_.extend);
+    if (!options_.extend.empty()) {
+      extender_.emplace(options_.map, pipeline::folder_beside(options_.extend));
+    }
     LocalizedDrive localized(map.index(), initial_pose_of(options_),
                              extender_ ? &*extender_ : nullptr);
     read(*drive.input, part, localized);
@@ -145,9 +155,14 @@ class LocalizingRun {
       write_text_atomically(options_.figures, json::dumped(figures, 2) + "\n");
     }
     std::fflush(stdout);
-    if (extender_) std::printf("%s", extension_text(extender_->write(), options_.extend).c_str());
+    if (extender_) print_extension();
     if (figures["found_after"].is_null()) return report_never_found(scans.back());
     return stop_requested_ != 0 ? kStoppedEarly : 0;
+  }
+
+  void print_extension() const {
+    const pipeline::ExtensionReport report = extender_->write(extender_->drive(), options_.extend);
+    std::printf("%s", extension_text(report, options_.extend).c_str());
   }
 
   int report_never_found(const LocalizedScan& last) const {

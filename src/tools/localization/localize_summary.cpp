@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/pipeline/extension_lines.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -66,22 +67,6 @@ std::string time_text(const char* name, const Json& times) {
                    times["p99"].get<double>());
 }
 
-/// m: a shorter way is not worth a word. Chosen: it would be shown as 0 m.
-constexpr double kLeastShownWay = 0.5;
-
-/// New ways that were not added and why; empty without any.
-std::string left_out_text(const pipeline::LeftOutWays& left_out) {
-  std::vector<std::string> ways;
-  const auto add = [&](double way, const std::string& reason) {
-    if (way >= kLeastShownWay) ways.push_back(formatted("%.0f m %s", way, reason.c_str()));
-  };
-  add(left_out.never_found, "from which odometry leads to no place that was found in the map");
-  add(left_out.too_short, formatted("in stretches of less than %g m", pipeline::kLeastNewWay));
-  add(left_out.not_tied,
-      formatted("that less than %zu ties hold without contradiction", pipeline::kLeastTies));
-  return ways.empty() ? "" : "left out: " + joined(ways, "; ") + "\n";
-}
-
 }  // namespace
 
 Json localization_figures(const std::vector<LocalizedScan>& scans) {
@@ -124,27 +109,9 @@ std::string localization_text(const Json& figures) {
 }
 
 std::string extension_text(const pipeline::ExtensionReport& report, const std::string& session) {
-  const std::string left_out = left_out_text(report.extension.left_out);
-  if (!report.is_written()) {
-    return std::string(left_out.empty() ? "nothing of the drive is new to the map"
-                                        : "nothing could be added to the map") +
-           ", so no session is written\n" + left_out;
-  }
-  double new_way = 0.0;
-  std::size_t ties = 0;
-  for (const pipeline::NewStretch& stretch : report.extension.stretches) {
-    new_way += stretch.new_way;
-    ties += stretch.ties.size();
-  }
-  const std::size_t stretches = report.extension.stretches.size();
-  return formatted(
-             "new to the map: %.0f m in %zu %s; with what lies beside them %zu key frames, held by "
-             "%zu ties\n",
-             new_way, stretches, stretches == 1 ? "stretch" : "stretches", report.key_frames,
-             ties) +
-         left_out +
-         formatted("the key frames of the map moved by %.3f m at most\n", report.largest_move) +
-         session + "\n";
+  std::string text;
+  for (const std::string& line : pipeline::extension_lines(report)) text += line + "\n";
+  return report.is_written() ? text + session + "\n" : text;
 }
 
 }  // namespace lidar_mapping::tools
