@@ -91,6 +91,7 @@ ExaminedScan scan_of(const Row& row) {
   scan.state = state_of(row.at("state"));
   if (has_pose(scan.state)) scan.T_map_base = pose_of(row);
   scan.path = coordinate(row.at("path"));
+  if (scan.path < 0.0) throw InputError("a path is not negative");
   scan.segment = static_cast<std::uint32_t>(whole_number(row.at("segment"), 0, kLastSegment));
   scan.agreement = fraction(row.at("agreement"));
   scan.coverage = fraction(row.at("coverage"));
