@@ -168,9 +168,9 @@ def misalignment_plan(report, trajectory):
     return embedded(figure)
 
 
-def stretch_line(stretch, trajectory):
-    """Positions of the key frames of a stretch of the map, and of the next one if it is near."""
-    first, last = stretch['rows']
+def section_line(section, trajectory):
+    """Positions of the key frames of a section of the map, and of the next one if it is near."""
+    first, last = section['rows']
     distance = trajectory['distance']
     if last + 1 < len(distance) and distance[last + 1] - distance[last] < GAP:
         last += 1
@@ -188,11 +188,11 @@ def examination_plan(drive, trajectory):
     """The map's trajectory, coloured by how well the scans of another drive agreed with the map."""
     figure, axis = plt.subplots(figsize=plan_size(trajectory))
     axis.plot(trajectory['x'], trajectory['y'], color='#cbd2d9', linewidth=1.2)
-    passed = [stretch for stretch in drive['stretches'] if stretch['scans']]
+    passed = [section for section in drive['sections'] if section['scans']]
     lines = matplotlib.collections.LineCollection(
-        [stretch_line(stretch, trajectory) for stretch in passed], cmap='viridis', linewidths=4,
+        [section_line(section, trajectory) for section in passed], cmap='viridis', linewidths=4,
         capstyle='round', zorder=3)
-    lines.set_array(np.array([stretch['agreement'] for stretch in passed], dtype=float))
+    lines.set_array(np.array([section['agreement'] for section in passed], dtype=float))
     lines.set_clim(0.0, 1.0)
     axis.add_collection(lines)
     draw_where(axis, drive['losses'], 'x', RED, 'lost')

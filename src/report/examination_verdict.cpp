@@ -16,17 +16,17 @@ using json::Json;
 /// were followed all along once they were found (doc/results/localization.md); beside real roads
 /// lorries hide the map now and then.
 constexpr double kLeastFollowed = 0.95;
-/// Mean agreement of a stretch. Chosen: as kAgreeing in hypothesis.cpp, with less than
+/// Mean agreement of a section. Chosen: as kAgreeing in hypothesis.cpp, with less than
 /// which no place is followed.
 constexpr double kLeastAgreement = 0.25;
-/// m: path in the map that an examination needs. Chosen: one stretch says nothing about a map.
+/// m: path in the map that an examination needs. Chosen: one section says nothing about a map.
 constexpr double kLeastPath = 20.0;
 
 std::string limit_words(const Json& figures) {
   return formatted("found, %.0f %% of the path in the map followed, never lost there, no jump, ",
                    100.0 * kLeastFollowed) +
-         formatted("agreement of each stretch of %.0f m above %.2f",
-                   figures["stretch_m"].get<double>(), kLeastAgreement);
+         formatted("agreement of each section of %.0f m above %.2f",
+                   figures["section_m"].get<double>(), kLeastAgreement);
 }
 
 std::string counted(std::size_t count, const char* one, const char* several) {
@@ -54,14 +54,14 @@ void add_jumps(const Json& jumps, std::vector<std::string>& faults) {
                    place_words(*largest) + ")");
 }
 
-void add_weak_stretches(const Json& figures, std::vector<std::string>& faults) {
-  const std::vector<Json> passed = passed_stretches(figures);
-  const auto weak = std::count_if(passed.begin(), passed.end(), [](const Json& stretch) {
-    return stretch["agreement"].get<double>() < kLeastAgreement;
+void add_weak_sections(const Json& figures, std::vector<std::string>& faults) {
+  const std::vector<Json> passed = passed_sections(figures);
+  const auto weak = std::count_if(passed.begin(), passed.end(), [](const Json& section) {
+    return section["agreement"].get<double>() < kLeastAgreement;
   });
   if (weak == 0) return;
-  faults.push_back(counted(static_cast<std::size_t>(weak), "weak stretch", "weak stretches") +
-                   " (worst " + stretch_words(passed.front()) + ")");
+  faults.push_back(counted(static_cast<std::size_t>(weak), "weak section", "weak sections") +
+                   " (worst " + section_words(passed.front()) + ")");
 }
 
 /// What speaks against the map beside the path that was not followed.
@@ -69,7 +69,7 @@ std::vector<std::string> faults_of(const Json& figures) {
   std::vector<std::string> faults;
   add_losses(figures["losses"], faults);
   add_jumps(figures["odometry"]["jumps"], faults);
-  add_weak_stretches(figures, faults);
+  add_weak_sections(figures, faults);
   return faults;
 }
 

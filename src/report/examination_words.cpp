@@ -84,19 +84,19 @@ std::string loss_lines(const Json& losses) {
   return text;
 }
 
-std::string stretch_lines(const Json& figures, std::size_t most) {
-  const std::vector<Json> passed = passed_stretches(figures);
+std::string section_lines(const Json& figures, std::size_t most) {
+  const std::vector<Json> passed = passed_sections(figures);
   std::string text =
-      formatted("  %zu of %zu stretches of %.0f m of the map were passed", passed.size(),
-                figures["stretches"].size(), figures["stretch_m"].get<double>());
+      formatted("  %zu of %zu sections of %.0f m of the map were passed", passed.size(),
+                figures["sections"].size(), figures["section_m"].get<double>());
   const std::size_t shown = std::min(most, passed.size());
   if (shown == 0) return text + "\n";
   text += "; least agreement first:\n";
   text += "    key frames              x        y  passes  scans  followed  agreement  coverage\n";
   for (std::size_t i = 0; i < shown; ++i) {
-    const Json& stretch = passed[i];
-    const auto count = [&](const char* name) { return stretch[name].get<std::size_t>(); };
-    const auto number = [&](const char* name) { return stretch[name].get<double>(); };
+    const Json& section = passed[i];
+    const auto count = [&](const char* name) { return section[name].get<std::size_t>(); };
+    const auto number = [&](const char* name) { return section[name].get<double>(); };
     const std::string key_frames =
         formatted("%zu to %zu", count("first_key_frame"), count("last_key_frame"));
     text += formatted("    %-16s %8.1f %8.1f  %6zu  %5zu  %8zu  %9.2f  %8.2f\n", key_frames.c_str(),
@@ -114,10 +114,10 @@ std::string place_words(const Json& part) {
   return formatted("key frame %zu ", part["key_frame"].get<std::size_t>()) + position_words(part);
 }
 
-std::vector<Json> passed_stretches(const Json& figures) {
+std::vector<Json> passed_sections(const Json& figures) {
   std::vector<Json> passed;
-  for (const Json& stretch : figures["stretches"]) {
-    if (!stretch["agreement"].is_null()) passed.push_back(stretch);
+  for (const Json& section : figures["sections"]) {
+    if (!section["agreement"].is_null()) passed.push_back(section);
   }
   std::stable_sort(passed.begin(), passed.end(), [](const Json& a, const Json& b) {
     return a["agreement"].get<double>() < b["agreement"].get<double>();
@@ -125,16 +125,16 @@ std::vector<Json> passed_stretches(const Json& figures) {
   return passed;
 }
 
-std::string stretch_words(const Json& stretch) {
-  return formatted("key frames %zu to %zu ", stretch["first_key_frame"].get<std::size_t>(),
-                   stretch["last_key_frame"].get<std::size_t>()) +
-         position_words(stretch);
+std::string section_words(const Json& section) {
+  return formatted("key frames %zu to %zu ", section["first_key_frame"].get<std::size_t>(),
+                   section["last_key_frame"].get<std::size_t>()) +
+         position_words(section);
 }
 
-std::string examination_text(const Json& figures, std::size_t stretches) {
+std::string examination_text(const Json& figures, std::size_t sections) {
   return head(figures) + state_lines(figures["states"]) + agreement_line(figures) +
          odometry_lines(figures["odometry"]) + loss_lines(figures["losses"]) +
-         stretch_lines(figures, stretches);
+         section_lines(figures, sections);
 }
 
 }  // namespace lidar_mapping::report

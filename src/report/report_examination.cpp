@@ -7,7 +7,7 @@
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
 #include "examined_motion.hpp"
-#include "examined_stretches.hpp"
+#include "examined_sections.hpp"
 
 namespace lidar_mapping::report {
 
@@ -169,23 +169,23 @@ Json against_odometry(const Examination& drive) {
           {"rows", rows}};
 }
 
-Json stretches(const Examination& drive) {
+Json sections(const Examination& drive) {
   Json rows = Json::array();
-  for (const ExaminedStretch& stretch : examined_stretches(drive.scans, drive.places, drive.map)) {
+  for (const ExaminedSection& section : examined_sections(drive.scans, drive.places, drive.map)) {
     const std::vector<KeyFramePose>& key_frames = drive.map.poses;
-    const KeyFramePose& middle = key_frames[(stretch.first + stretch.last) / 2];
-    const bool is_passed = stretch.scans > 0;
-    rows.push_back({{"first_key_frame", key_frames[stretch.first].index},
-                    {"last_key_frame", key_frames[stretch.last].index},
-                    {"rows", {stretch.first, stretch.last}},
-                    {"begin_m", stretch.begin},
+    const KeyFramePose& middle = key_frames[(section.first + section.last) / 2];
+    const bool is_passed = section.scans > 0;
+    rows.push_back({{"first_key_frame", key_frames[section.first].index},
+                    {"last_key_frame", key_frames[section.last].index},
+                    {"rows", {section.first, section.last}},
+                    {"begin_m", section.begin},
                     {"x", middle.T_map_base.translation.x()},
                     {"y", middle.T_map_base.translation.y()},
-                    {"passes", stretch.passes},
-                    {"scans", stretch.scans},
-                    {"followed", stretch.followed},
-                    {"agreement", is_passed ? Json(stretch.agreement) : Json()},
-                    {"coverage", is_passed ? Json(stretch.coverage) : Json()}});
+                    {"passes", section.passes},
+                    {"scans", section.scans},
+                    {"followed", section.followed},
+                    {"agreement", is_passed ? Json(section.agreement) : Json()},
+                    {"coverage", is_passed ? Json(section.coverage) : Json()}});
   }
   return rows;
 }
@@ -206,9 +206,9 @@ Json examination_figures(const ExaminedDrive& drive, const KeyFramePoses& map) {
           {"coverage", over_followed(examined, &ExaminedScan::coverage)},
           {"losses", losses(examined)},
           {"odometry", against_odometry(examined)},
-          {"stretch_m", kStretchLength},
+          {"section_m", kSectionLength},
           {"reach_m", kMapReach},
-          {"stretches", stretches(examined)}};
+          {"sections", sections(examined)}};
 }
 
 }  // namespace lidar_mapping::report

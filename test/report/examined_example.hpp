@@ -15,7 +15,7 @@ namespace lidar_mapping::report {
 constexpr Stamp kMonday = from_seconds(1'600'000'000.0);
 constexpr Stamp kTuesday = kMonday + 86'400 * kNanosecondsPerSecond;
 
-/// 30 key frames along x, 2 m apart from 0 to 58 m: three stretches of ten.
+/// 30 key frames along x, 2 m apart from 0 to 58 m: three sections of ten.
 inline KeyFramePoses straight_map() {
   KeyFramePoses map;
   for (KeyFrameIndex i = 0; i < 30; ++i) {

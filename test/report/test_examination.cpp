@@ -6,7 +6,7 @@
 
 #include "examined_example.hpp"
 #include "examined_motion.hpp"
-#include "examined_stretches.hpp"
+#include "examined_sections.hpp"
 #include "report_examination.hpp"
 
 namespace lidar_mapping::report {
@@ -17,10 +17,10 @@ using localization::LocalizationState;
 
 Json figures_of(const ExaminedDrive& drive) { return examination_figures(drive, straight_map()); }
 
-/// Stretches of the map with the scans of a drive.
-std::vector<ExaminedStretch> stretches_of(const ExaminedDrive& drive) {
+/// Sections of the map with the scans of a drive.
+std::vector<ExaminedSection> sections_of(const ExaminedDrive& drive) {
   const KeyFramePoses map = straight_map();
-  return examined_stretches(drive.scans, places_of(drive.scans, map), map);
+  return examined_sections(drive.scans, places_of(drive.scans, map), map);
 }
 
 /// Moves the poses in the map from a scan on to the left; odometry knows nothing of it.
@@ -72,39 +72,39 @@ TEST(Examination, KnowsNothingOfADriveThatWasNeverFound) {
   EXPECT_TRUE(figures["agreement"].is_null());
   EXPECT_TRUE(figures["odometry"]["largest"].is_null());
   EXPECT_EQ(figures["in_map"]["scans"], 0);
-  ASSERT_EQ(figures["stretches"].size(), 3U);
-  for (const Json& stretch : figures["stretches"]) EXPECT_TRUE(stretch["agreement"].is_null());
+  ASSERT_EQ(figures["sections"].size(), 3U);
+  for (const Json& section : figures["sections"]) EXPECT_TRUE(section["agreement"].is_null());
   const std::string text = examination_text(figures, 10);
   EXPECT_NE(text.find("60 scans over 59 m: never found in the map\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("0 of 3 stretches of 20 m of the map were passed\n"), std::string::npos);
+  EXPECT_NE(text.find("0 of 3 sections of 20 m of the map were passed\n"), std::string::npos);
 }
 
-TEST(Examination, GivesTheStretchesOfTheMapTheirScans) {
+TEST(Examination, GivesTheSectionsOfTheMapTheirScans) {
   ExaminedDrive drive = straight_drive();
   for (std::size_t i = 20; i < 30; ++i) drive.scans[i].agreement = 0.4;
-  const auto stretches = stretches_of(drive);
-  ASSERT_EQ(stretches.size(), 3U);
-  EXPECT_EQ(stretches[1].first, 10U);
-  EXPECT_EQ(stretches[1].last, 19U);
-  EXPECT_NEAR(stretches[1].begin, 20.0, 1e-9);
-  EXPECT_EQ(stretches[0].scans, 15U);  // the five before were searched for
-  EXPECT_EQ(stretches[1].scans, 20U);
-  EXPECT_EQ(stretches[2].scans, 20U);
-  EXPECT_EQ(stretches[1].followed, 20U);
-  EXPECT_EQ(stretches[1].passes, 1U);
-  EXPECT_NEAR(stretches[1].agreement, 0.6, 1e-9);
-  EXPECT_NEAR(stretches[2].agreement, 0.8, 1e-9);
-  EXPECT_NEAR(stretches[2].coverage, 0.9, 1e-9);
+  const auto sections = sections_of(drive);
+  ASSERT_EQ(sections.size(), 3U);
+  EXPECT_EQ(sections[1].first, 10U);
+  EXPECT_EQ(sections[1].last, 19U);
+  EXPECT_NEAR(sections[1].begin, 20.0, 1e-9);
+  EXPECT_EQ(sections[0].scans, 15U);  // the five before were searched for
+  EXPECT_EQ(sections[1].scans, 20U);
+  EXPECT_EQ(sections[2].scans, 20U);
+  EXPECT_EQ(sections[1].followed, 20U);
+  EXPECT_EQ(sections[1].passes, 1U);
+  EXPECT_NEAR(sections[1].agreement, 0.6, 1e-9);
+  EXPECT_NEAR(sections[2].agreement, 0.8, 1e-9);
+  EXPECT_NEAR(sections[2].coverage, 0.9, 1e-9);
 }
 
 TEST(Examination, CountsALostScanAsNoAgreementAtItsPlace) {
   ExaminedDrive drive = straight_drive();
   set_state(drive, 30, 35, LocalizationState::kLost);
-  const auto stretches = stretches_of(drive);
-  EXPECT_EQ(stretches[1].scans, 20U);
-  EXPECT_EQ(stretches[1].followed, 15U);
-  EXPECT_NEAR(stretches[1].agreement, 0.6, 1e-9);
-  EXPECT_NEAR(stretches[1].coverage, 0.675, 1e-9);
+  const auto sections = sections_of(drive);
+  EXPECT_EQ(sections[1].scans, 20U);
+  EXPECT_EQ(sections[1].followed, 15U);
+  EXPECT_NEAR(sections[1].agreement, 0.6, 1e-9);
+  EXPECT_NEAR(sections[1].coverage, 0.675, 1e-9);
 }
 
 // To the end of the map and back.
@@ -113,11 +113,11 @@ TEST(Examination, CountsPasses) {
   for (std::size_t i = 60; i < 120; ++i) {
     drive.scans[i].T_map_base.translation.x() = 119.0 - static_cast<double>(i);
   }
-  const auto stretches = stretches_of(drive);
-  EXPECT_EQ(stretches[0].passes, 2U);
-  EXPECT_EQ(stretches[1].passes, 2U);
-  EXPECT_EQ(stretches[2].passes, 1U);  // it turned there
-  EXPECT_EQ(stretches[2].scans, 40U);
+  const auto sections = sections_of(drive);
+  EXPECT_EQ(sections[0].passes, 2U);
+  EXPECT_EQ(sections[1].passes, 2U);
+  EXPECT_EQ(sections[2].passes, 1U);  // it turned there
+  EXPECT_EQ(sections[2].scans, 40U);
 }
 
 TEST(Examination, SaysWhereThePlaceWasLostInTheMap) {
@@ -243,7 +243,7 @@ TEST(Examination, IsWrittenForAPerson) {
         "  motion over 10 m against odometry: mean 0.000 m, rms 0.000 m, largest 0.000 m (key ",
         "  lost after 3.0 s for 5 scans and 5.0 m, in the map, key frame 14 at 29.0, 1.0: "
         "contradicted\n",
-        "  3 of 3 stretches of 20 m of the map were passed; least agreement first:\n",
+        "  3 of 3 sections of 20 m of the map were passed; least agreement first:\n",
         "    10 to 19             "}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\nin\n" << text;
   }

@@ -28,7 +28,7 @@ TEST(ExaminationVerdict, IsGoodForADriveThatWasFollowed) {
             "over 10 m up to 0.00 m from odometry");
   EXPECT_EQ(line["limit"],
             "found, 95 % of the path in the map followed, never lost there, no jump, agreement of "
-            "each stretch of 20 m above 0.25");
+            "each section of 20 m above 0.25");
 }
 
 // One scan in 2000 is enough, wherever the rest was followed.
@@ -71,7 +71,7 @@ TEST(ExaminationVerdict, AsksForMostOfThePathInTheMap) {
   EXPECT_EQ(value_of(drive), "94.5 % of 55.0 m in the map followed");
 }
 
-TEST(ExaminationVerdict, NamesJumpsAndWeakStretches) {
+TEST(ExaminationVerdict, NamesJumpsAndWeakSections) {
   ExaminedDrive drive = straight_drive();
   for (std::size_t i = 40; i < 60; ++i) {
     drive.scans[i].T_map_base.translation.y() += 0.8;
@@ -80,7 +80,7 @@ TEST(ExaminationVerdict, NamesJumpsAndWeakStretches) {
   EXPECT_EQ(verdict_on(drive)["good"], false);
   const std::string value = value_of(drive);
   EXPECT_NE(value.find("; 1 jump (largest 0.80 m, key frame 2"), std::string::npos) << value;
-  EXPECT_NE(value.find("; 1 weak stretch (worst key frames 20 to 29 at 48.0, 0.0)"),
+  EXPECT_NE(value.find("; 1 weak section (worst key frames 20 to 29 at 48.0, 0.0)"),
             std::string::npos)
       << value;
 }

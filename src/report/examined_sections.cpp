@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "examined_stretches.hpp"
+#include "examined_sections.hpp"
 
 #include <map>
 #include <utility>
@@ -68,40 +68,40 @@ void carry(const ScanPlace& from_place, const ExaminedScan& from, const Examined
   to_place.T_map_base = from_place.T_map_base * (from.T_odom_base.inverse() * to.T_odom_base);
 }
 
-std::vector<ExaminedStretch> stretches_of(const KeyFramePoses& map) {
+std::vector<ExaminedSection> sections_of(const KeyFramePoses& map) {
   const std::vector<double> distances = distances_of(map);
-  std::vector<ExaminedStretch> stretches;
+  std::vector<ExaminedSection> sections;
   std::int64_t last_number = -1;
   for (std::size_t i = 0; i < distances.size(); ++i) {
-    const std::int64_t number = floor_to_int(distances[i] / kStretchLength);
+    const std::int64_t number = floor_to_int(distances[i] / kSectionLength);
     if (number != last_number) {
-      stretches.emplace_back();
-      stretches.back().first = i;
-      stretches.back().begin = distances[i];
+      sections.emplace_back();
+      sections.back().first = i;
+      sections.back().begin = distances[i];
     }
-    stretches.back().last = i;
+    sections.back().last = i;
     last_number = number;
   }
-  return stretches;
+  return sections;
 }
 
-/// For each key frame the position of its stretch.
-std::vector<std::size_t> stretch_numbers(const std::vector<ExaminedStretch>& stretches,
+/// For each key frame the position of its section.
+std::vector<std::size_t> section_numbers(const std::vector<ExaminedSection>& sections,
                                          std::size_t key_frames) {
   std::vector<std::size_t> numbers(key_frames, 0);
-  for (std::size_t k = 0; k < stretches.size(); ++k) {
-    for (std::size_t i = stretches[k].first; i <= stretches[k].last; ++i) numbers[i] = k;
+  for (std::size_t k = 0; k < sections.size(); ++k) {
+    for (std::size_t i = sections[k].first; i <= sections[k].last; ++i) numbers[i] = k;
   }
   return numbers;
 }
 
-void add(const ExaminedScan& scan, double path_since_last, ExaminedStretch& stretch) {
-  if (stretch.scans == 0 || path_since_last > kMinPathBetweenPasses) ++stretch.passes;
-  ++stretch.scans;
-  if (scan.state == LocalizationState::kFollowing) ++stretch.followed;
+void add(const ExaminedScan& scan, double path_since_last, ExaminedSection& section) {
+  if (section.scans == 0 || path_since_last > kMinPathBetweenPasses) ++section.passes;
+  ++section.scans;
+  if (scan.state == LocalizationState::kFollowing) ++section.followed;
   if (scan.state == LocalizationState::kLost) return;
-  stretch.agreement += scan.agreement;
-  stretch.coverage += scan.coverage;
+  section.agreement += scan.agreement;
+  section.coverage += scan.coverage;
 }
 
 }  // namespace
@@ -123,24 +123,24 @@ std::vector<ScanPlace> places_of(const std::vector<ExaminedScan>& scans, const K
   return places;
 }
 
-std::vector<ExaminedStretch> examined_stretches(const std::vector<ExaminedScan>& scans,
-                                                const std::vector<ScanPlace>& places,
-                                                const KeyFramePoses& map) {
-  std::vector<ExaminedStretch> stretches = stretches_of(map);
-  const std::vector<std::size_t> numbers = stretch_numbers(stretches, map.poses.size());
-  std::vector<double> last_paths(stretches.size(), 0.0);
+std::vector<ExaminedSection> examined_sections(const std::vector<ExaminedScan>& scans,
+                                               const std::vector<ScanPlace>& places,
+                                               const KeyFramePoses& map) {
+  std::vector<ExaminedSection> sections = sections_of(map);
+  const std::vector<std::size_t> numbers = section_numbers(sections, map.poses.size());
+  std::vector<double> last_paths(sections.size(), 0.0);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (!places[i].is_in_map || scans[i].state == LocalizationState::kSearching) continue;
     const std::size_t k = numbers[places[i].key_frame];
-    add(scans[i], scans[i].path - last_paths[k], stretches[k]);
+    add(scans[i], scans[i].path - last_paths[k], sections[k]);
     last_paths[k] = scans[i].path;
   }
-  for (ExaminedStretch& stretch : stretches) {
-    if (stretch.scans == 0) continue;
-    stretch.agreement /= static_cast<double>(stretch.scans);
-    stretch.coverage /= static_cast<double>(stretch.scans);
+  for (ExaminedSection& section : sections) {
+    if (section.scans == 0) continue;
+    section.agreement /= static_cast<double>(section.scans);
+    section.coverage /= static_cast<double>(section.scans);
   }
-  return stretches;
+  return sections;
 }
 
 }  // namespace lidar_mapping::report

@@ -13,9 +13,9 @@ namespace lidar_mapping::report {
 /// m: within this distance of a key frame the map covers a place. Chosen: as kNewDistance in
 /// map_extension.cpp, from which on a place is new to the map.
 inline constexpr double kMapReach = 15.0;
-/// m: path length of a stretch of the map. Chosen: a dozen scans in a street, so that their mean
+/// m: path length of a section of the map. Chosen: a dozen scans in a street, so that their mean
 /// means something, and short enough to find the place.
-inline constexpr double kStretchLength = 20.0;
+inline constexpr double kSectionLength = 20.0;
 
 /// Where a scan was in the map.
 struct ScanPlace {
@@ -30,8 +30,8 @@ struct ScanPlace {
 /// The place of each scan.
 std::vector<ScanPlace> places_of(const std::vector<ExaminedScan>& scans, const KeyFramePoses& map);
 
-/// A stretch of the map's path and what a drive met there.
-struct ExaminedStretch {
+/// A section of the map's path and what a drive met there.
+struct ExaminedSection {
   std::size_t first = 0;  ///< position of its first key frame in the poses of the map
   std::size_t last = 0;   ///< that of its last one
   double begin = 0.0;     ///< path length of the map up to its first key frame, m
@@ -43,10 +43,10 @@ struct ExaminedStretch {
   double coverage = 0.0;
 };
 
-/// All stretches of the map, in the order of its path. A scan belongs to that of the nearest key
+/// All sections of the map, in the order of its path. A scan belongs to that of the nearest key
 /// frame, if the map covers its place.
-std::vector<ExaminedStretch> examined_stretches(const std::vector<ExaminedScan>& scans,
-                                                const std::vector<ScanPlace>& places,
-                                                const KeyFramePoses& map);
+std::vector<ExaminedSection> examined_sections(const std::vector<ExaminedScan>& scans,
+                                               const std::vector<ScanPlace>& places,
+                                               const KeyFramePoses& map);
 
 }  // namespace lidar_mapping::report
