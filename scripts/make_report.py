@@ -18,6 +18,7 @@ import matplotlib
 
 matplotlib.use('Agg')
 import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.collections  # noqa: E402
 import matplotlib.ticker  # noqa: E402
 import numpy as np  # noqa: E402
 
@@ -25,6 +26,7 @@ INK, GREY, FAINT = '#1f2933', '#7b8794', '#e4e7eb'
 BLUE, ORANGE, RED, GREEN = '#1463a5', '#d97706', '#b91c1c', '#2f855a'
 YELLOW = '#f2c94c'
 WIDTH = 5.8  # inches of a picture in one of the two columns
+GAP = 40.0  # m between key frames that are not joined by a line: parts of the map
 LOOP_COLOURS = {'accepted': GREEN, 'refused': GREY, 'undecided': ORANGE}
 
 plt.rcParams.update({
@@ -166,6 +168,52 @@ def misalignment_plan(report, trajectory):
     return embedded(figure)
 
 
+def section_line(section, trajectory):
+    """Positions of the key frames of a section of the map, and of the next one if it is near."""
+    first, last = section['rows']
+    distance = trajectory['distance']
+    if last + 1 < len(distance) and distance[last + 1] - distance[last] < GAP:
+        last += 1
+    return np.column_stack([trajectory[name][first:last + 1] for name in 'xy'])
+
+
+def draw_where(axis, parts, marker, colour, label):
+    known = [part for part in parts if part['x'] is not None]
+    if known:
+        axis.plot([part['x'] for part in known], [part['y'] for part in known], marker, color=colour,
+                  markersize=8, markeredgewidth=1.8, label=label, zorder=4)
+
+
+def examination_plan(drive, trajectory):
+    """The map's trajectory, coloured by how well the scans of another drive agreed with the map."""
+    figure, axis = plt.subplots(figsize=plan_size(trajectory))
+    axis.plot(trajectory['x'], trajectory['y'], color='#cbd2d9', linewidth=1.2)
+    passed = [section for section in drive['sections'] if section['scans']]
+    lines = matplotlib.collections.LineCollection(
+        [section_line(section, trajectory) for section in passed], cmap='viridis', linewidths=4,
+        capstyle='round', zorder=3)
+    lines.set_array(np.array([section['agreement'] for section in passed], dtype=float))
+    lines.set_clim(0.0, 1.0)
+    axis.add_collection(lines)
+    draw_where(axis, drive['losses'], 'x', RED, 'lost')
+    draw_where(axis, drive['odometry']['jumps'], '^', ORANGE, 'jump')
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8)
+    figure.colorbar(lines, ax=axis, label='agreement of the scans with the map', location='bottom',
+                    aspect=40, pad=0.02)
+    axis.set(aspect='equal', xlabel='x (m)', ylabel='y (m)')
+    return embedded(figure)
+
+
+def examination_pictures(drive, trajectory):
+    images = {'plan': examination_plan(drive, trajectory)}
+    odometry = table(drive['odometry'])
+    if len(odometry['distance']):
+        images['odometry'] = along([(odometry['distance'], 1000.0 * odometry['error_m'], BLUE, None, '-')],
+                                   f'over {drive["odometry"]["delta_m"]:g} m (mm)', 1.0, from_zero=True)
+    return images
+
+
 def draw_passes(axis, points, size):
     for xy, colour, name in zip(points, (BLUE, ORANGE), ('earlier passes', 'later pass')):
         axis.plot(xy[:, 0], xy[:, 1], '.', color=colour, markersize=size, alpha=0.6,
@@ -244,6 +292,7 @@ def pictures(report, data_directory):
         truth = table(report['truth'])
         images['truth'] = along([(truth['distance'], 1000.0 * truth['error_m'], RED, None, '-')],
                                 'position error (mm)', 1.0, from_zero=True)
+    images['examinations'] = [examination_pictures(drive, trajectory) for drive in report['examinations']]
     places = json.loads((data_directory / 'places.json').read_text())
     images['places'] = [place_picture(place) for place in places]
     return images

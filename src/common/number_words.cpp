@@ -62,6 +62,16 @@ Stamp stamp_of_seconds(double seconds) {
   return from_seconds(seconds);
 }
 
+Stamp stamp_of_seconds(const std::string& word) {
+  const Stamp rounded = stamp_of_seconds(finite_number(word));
+  if (word.find_first_not_of("0123456789.") != std::string::npos) return rounded;
+  const std::size_t point = word.find('.');
+  std::string fraction = point == std::string::npos ? "" : word.substr(point + 1);
+  fraction.resize(9, '0');
+  const std::string whole = word.substr(0, point);
+  return (whole.empty() ? 0 : std::stoll(whole)) * kNanosecondsPerSecond + std::stoll(fraction);
+}
+
 Pose rigid_pose(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d axes = matrix.topLeftCorner<3, 3>();
   const Eigen::Matrix3d products = axes.transpose() * axes;

@@ -17,18 +17,6 @@ namespace {
 constexpr std::size_t kTumColumns = 8;     // time x y z qx qy qz qw, by the TUM RGB-D benchmark
 constexpr std::size_t kKittiColumns = 12;  // 3 x 4 matrix by rows, by the KITTI odometry benchmark
 
-/// Seconds as text to nanoseconds without passing through a double, which would round.
-Stamp parse_seconds(const std::string& text) {
-  const double seconds = finite_number(text);
-  const Stamp rounded = stamp_of_seconds(seconds);
-  if (text.find_first_not_of("0123456789.") != std::string::npos) return rounded;
-  const std::size_t point = text.find('.');
-  std::string fraction = point == std::string::npos ? "" : text.substr(point + 1);
-  fraction.resize(9, '0');
-  const std::string whole = text.substr(0, point);
-  return (whole.empty() ? 0 : std::stoll(whole)) * kNanosecondsPerSecond + std::stoll(fraction);
-}
-
 std::vector<std::string> words_of(const std::string& line) {
   std::istringstream stream(line);
   std::vector<std::string> words;
@@ -41,7 +29,7 @@ StampedPose from_tum(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < kTumColumns; ++i) v[i] = coordinate(words[i]);
   const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
   if (std::abs(rotation.norm() - 1.0) > 0.5) throw InputError("quaternion is not of unit length");
-  return {parse_seconds(words[0]), {rotation.normalized(), {v[1], v[2], v[3]}}};
+  return {stamp_of_seconds(words[0]), {rotation.normalized(), {v[1], v[2], v[3]}}};
 }
 
 Pose from_kitti(const std::vector<std::string>& words) {

@@ -17,9 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Smallest stamp that is a date; smaller ones count from the start of a simulator or a sensor.
-constexpr Stamp kFirstDate = from_seconds(1e8);
-
 json::Json date_of(const ReportInput& input) {
   if (input.poses.poses.empty() || input.poses.poses.front().stamp < kFirstDate) return nullptr;
   return utc(static_cast<std::time_t>(to_seconds(input.poses.poses.front().stamp)));

@@ -5,6 +5,7 @@
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/pipeline/tracking_summary.hpp"
 
+#include "report_examination.hpp"
 #include "report_figures.hpp"
 
 namespace lidar_mapping::report {
@@ -207,6 +208,9 @@ json::Json verdicts(const json::Json& report) {
                       scan_line(report["scans"]),
                       uncertainty_line(report["uncertainty"]),
                       doubt_line(report["doubt"])};
+  for (const json::Json& drive : report["examinations"]) {
+    lines.push_back(examination_verdict(drive));
+  }
   if (!report["truth"].is_null()) lines.push_back(truth_line(report["truth"]));
   return lines;
 }

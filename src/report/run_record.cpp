@@ -12,6 +12,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 
+#include "digest.hpp"
 #include "json.hpp"
 
 namespace lidar_mapping::report {
@@ -21,25 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFile = "run.json";
-
-/// FNV-1a with 64 bits: enough to distinguish recordings, as no forgery is expected.
-class Digest {
- public:
-  void add(const std::string& bytes) {
-    for (const char byte : bytes) {
-      value_ ^= static_cast<unsigned char>(byte);
-      value_ *= 0x100000001B3U;
-    }
-  }
-  std::string text() const {
-    std::ostringstream stream;
-    stream << std::hex << value_;
-    return stream.str();
-  }
-
- private:
-  std::uint64_t value_ = 0xCBF29CE484222325U;
-};
 
 /// Digest of both ends of a file, which is enough because the index of a bag is at its end.
 std::string digest_of(const fs::path& file, std::uintmax_t bytes) {

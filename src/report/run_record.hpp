@@ -52,6 +52,10 @@ std::string recording_difference(const RunRecord& session, const RunRecord& give
 std::string parameter_difference(const std::map<std::string, std::string>& session,
                                  const std::map<std::string, std::string>& given);
 
+/// Smallest stamp that is a date; smaller ones count from the start of a simulator or a sensor.
+/// Chosen: in 1973, before any LiDAR turned.
+inline constexpr Stamp kFirstDate = from_seconds(1e8);
+
 /// A time as text, "2011-09-30 12:40:25 UTC".
 std::string utc(std::time_t seconds);
 

@@ -19,7 +19,9 @@
 #include "command_line/child_program.hpp"
 #include "command_line/number_checks.hpp"
 #include "command_line/run_command.hpp"
+#include "examined_drive.hpp"
 #include "place_pictures.hpp"
+#include "report_examination.hpp"
 #include "report_figures.hpp"
 
 namespace {
@@ -33,6 +35,7 @@ struct Options {
   std::string json;
   std::string key_frames;
   std::string truth;
+  std::vector<std::string> examined_by;  ///< folders of localize_bag
   double range_noise = 0.02;
   std::size_t places = 10;
   std::vector<double> sensor_origin;
@@ -105,10 +108,28 @@ Json to_json(const QualityResult& found, const map_quality::QualityConfig& confi
   return figures;
 }
 
+std::vector<report::ExaminedDrive> read_drives(const Options& options, const Session& session) {
+  std::vector<report::ExaminedDrive> drives;
+  const KeyFramePoses map = session.poses();
+  for (const std::string& folder : options.examined_by) {
+    drives.push_back(report::read_examined_drive(folder, map, session.directory()));
+  }
+  return drives;
+}
+
+Json examinations_by(const std::vector<report::ExaminedDrive>& drives, const KeyFramePoses& map) {
+  Json examinations = Json::array();
+  for (const report::ExaminedDrive& drive : drives) {
+    examinations.push_back(report::examination_figures(drive, map));
+  }
+  return examinations;
+}
+
 /// All figures of the drive and its map.
 Json report_of(const report::ReportInput& input, const QualityResult& found,
                const map_quality::QualityConfig& config, const back_end::BackEnd& graph,
-               const std::vector<back_end::KeyFrameDeviation>& deviations) {
+               const std::vector<back_end::KeyFrameDeviation>& deviations,
+               const std::vector<report::ExaminedDrive>& drives) {
   Json report = {{"format", 2},
                  {"session", input.session.directory().filename().string()},
                  {"origin", report::origin_figures(input)},
@@ -123,6 +144,7 @@ Json report_of(const report::ReportInput& input, const QualityResult& found,
   report["scans"] = report::scan_figures(input);
   report["uncertainty"] = report::uncertainty_figures(input, graph, deviations);
   report["doubt"] = report::doubt_figures(input, graph);
+  report["examinations"] = examinations_by(drives, input.poses);
   report["truth"] = report::truth_figures(input);
   report["verdicts"] = report::verdicts(report);
   report["overall"] = report::overall_verdict(report);
@@ -177,9 +199,10 @@ void write_report(const report::ReportInput& input, const QualityResult& found,
 
 void judge(const Options& options) {
   const Session session = Session::open(options.session, Session::Access::kRead);
-  // Read first, so that an unreadable truth is reported at once.
+  // Read first, so that unreadable files are reported at once.
   std::optional<Trajectory> truth;
   if (!options.truth.empty()) truth = read_trajectory(options.truth);
+  const std::vector<report::ExaminedDrive> drives = read_drives(options, session);
   map_quality::QualityConfig config;
   config.range_noise = options.range_noise;
   const auto sensor = sensor_origin_of(options, session);
@@ -193,12 +216,17 @@ void judge(const Options& options) {
   const QualityResult found = quality_of(input, config, sensor.has_value());
   const auto graph = report::solved_graph(session);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
-  const Json report = report_of(input, found, config, *graph, deviations);
+  const Json report = report_of(input, found, config, *graph, deviations, drives);
   print(found, options.places);
+  for (const Json& drive : report["examinations"]) {
+    std::printf("%s", report::examination_text(drive, options.places).c_str());
+  }
   print_verdicts(report);
   if (!options.json.empty()) {
     Json figures = to_json(found, config);
-    for (const char* part : {"verdicts", "truth", "uncertainty"}) figures[part] = report[part];
+    for (const char* part : {"verdicts", "truth", "uncertainty", "examinations"}) {
+      figures[part] = report[part];
+    }
     write_text_atomically(options.json, json::dumped(figures, 2) + "\n");
   }
   if (!options.key_frames.empty()) {
@@ -222,10 +250,14 @@ int main(int argc, char** argv) {
       ->expected(3);
   app.add_option(
       "--json", options.json,
-      "write thickness, misalignments of passes, verdicts, uncertainty and errors to this file");
+      "write thickness, misalignments of passes, examinations, verdicts, uncertainty and errors to "
+      "this file");
   app.add_option("--key-frames", options.key_frames,
                  "write how well the graph knows each key frame to this CSV file");
   app.add_flag("--report", options.report, "write report.html and report.json to the session");
+  app.add_option("--examined-by", options.examined_by,
+                 "folder that localize_bag made of another drive in this map (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--truth", options.truth, "true trajectory (TUM) to compare with");
   return tools::run_command(app, argc, argv, [&] { judge(options); });
 }

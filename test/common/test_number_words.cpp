@@ -64,6 +64,17 @@ TEST(Stamps, OfNanosecondsKeepEveryDigit) {
   EXPECT_EQ(stamp_of_nanoseconds("-5"), -5);
 }
 
+TEST(Stamps, OfSecondsKeepEveryDigit) {
+  EXPECT_EQ(stamp_of_seconds("1317384506.123456789"), 1317384506123456789);
+  EXPECT_EQ(stamp_of_seconds("1317384506"), 1317384506000000000);
+  EXPECT_EQ(stamp_of_seconds(".5"), 500'000'000);
+  EXPECT_EQ(stamp_of_seconds("-2.5"), -2'500'000'000);
+  EXPECT_EQ(stamp_of_seconds("2.5e1"), 25'000'000'000);
+  for (const char* word : {"", ".", "1.5.2", "5e9", "noon"}) {
+    EXPECT_THROW(stamp_of_seconds(word), InputError) << word;
+  }
+}
+
 TEST(Stamps, EndInTheYear2112) {
   EXPECT_EQ(stamp_of_seconds(2.5), 2'500'000'000);
   EXPECT_EQ(stamp_of_seconds(-2.5), -2'500'000'000);

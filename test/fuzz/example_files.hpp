@@ -27,6 +27,9 @@ void write_velodyne_calibration(const std::filesystem::path& path);
 void write_hesai_calibration(const std::filesystem::path& path);
 /// Key frames, loops, verdicts, measurements and poses.
 void write_session(const std::filesystem::path& folder);
+/// The folder of localize_bag for a drive in the map of write_session(), which is at `session`.
+void write_localized_drive(const std::filesystem::path& folder,
+                           const std::filesystem::path& session);
 void write_hdl_dump(const std::filesystem::path& folder);
 /// Raw: velodyne_points/ and oxts/.
 void write_kitti_raw(const std::filesystem::path& folder);

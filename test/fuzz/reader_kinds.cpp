@@ -21,6 +21,7 @@
 
 #include "bag_input.hpp"
 #include "campaign_case.hpp"
+#include "examined_drive.hpp"
 #include "example_files.hpp"
 #include "map_input.hpp"
 #include "parameters/stage_files.hpp"
@@ -325,6 +326,28 @@ Kind run_record() {
           }};
 }
 
+Kind localized_drive() {
+  return {"localized_drive",
+          [](const fs::path& folder) {
+            write_session(folder / "s");
+            write_localized_drive(folder / "drive", folder / "s");
+          },
+          [](const fs::path& folder) {
+            const auto session =
+                session::Session::open(folder / "s", session::Session::Access::kRead);
+            const auto drive =
+                report::read_examined_drive(folder / "drive", session.poses(), folder / "s");
+            require(!drive.scans.empty(), "a drive without scans");
+            for (const auto& scan : drive.scans) {
+              require(is_sound(scan.T_map_base) && is_sound(scan.T_odom_base), "a pose");
+              require(scan.agreement >= 0.0 && scan.agreement <= 1.0, "an agreement");
+              require(scan.path >= 0.0 && scan.path < 1e10, "a path");
+            }
+          },
+          {},
+          "drive/"};
+}
+
 /// As receivers send them; a bag's message holds one.
 Kind sentences() {
   return {"nmea",
@@ -390,6 +413,7 @@ std::vector<Kind> kinds() {
           map_to_import(),
           doubt(),
           run_record(),
+          localized_drive(),
           sentences()};
 }
 

@@ -79,6 +79,8 @@ set(reader_sources
   ${readers_root}/src/campaign/campaign_case.cpp
   ${readers_root}/src/tools/parameters/config_path.cpp
   ${readers_root}/src/recordings/pcd_scan.cpp
+  ${readers_root}/src/report/examined_drive.cpp
+  ${readers_root}/src/report/localization_record.cpp
   ${readers_root}/src/report/run_record.cpp
   ${readers_root}/src/tools/parameters/stage_files.cpp)
 

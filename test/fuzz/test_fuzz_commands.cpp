@@ -185,6 +185,11 @@ void write_mapped_session(const fs::path& folder) {
   write_content(folder / "s" / "map" / "map.yaml", "min: [0.0, 0.0, 0.0]\nmax: [1.0, 2.0, 3.0]\n");
 }
 
+void write_examined_session(const fs::path& folder) {
+  write_session(folder / "s");
+  write_localized_drive(folder / "drive", folder / "s");
+}
+
 void write_two_sessions(const fs::path& folder) {
   write_session(folder / "a");
   write_session(folder / "b");
@@ -321,6 +326,11 @@ std::vector<Kind> kinds_of_results() {
        0,
        spoil_session},
       {"map_quality_record", write_mapped_session, "map_quality", {"IN/s"}, "s/run.json"},
+      {"map_quality_examined",
+       write_examined_session,
+       "map_quality",
+       {"IN/s", "--examined-by", "IN/drive"},
+       "drive/"},
       {"optimize_graph",
        [](const fs::path& folder) { write_g2o(folder / "a.g2o", false); },
        "optimize_graph",

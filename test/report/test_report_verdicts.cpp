@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "examined_example.hpp"
+#include "report_examination.hpp"
 #include "report_figures.hpp"
 
 namespace lidar_mapping::report {
@@ -42,6 +44,7 @@ json::Json good_report() {
             {"doubtful", 0},
             {"longest_without_constraint", {{"length_m", 10.0}, {"begin_m", 0.0}}}}},
           {"doubt", {{"stretches", json::Json::array()}, {"warnings", json::Json::array()}}},
+          {"examinations", json::Json::array()},
           {"truth", nullptr}};
 }
 
@@ -144,6 +147,18 @@ TEST(ReportVerdicts, DoNotPraiseOdometryForAgreeingWithItself) {
   EXPECT_EQ(verdict_on(report, "Odometry against the map"), true);
   report["gnss"]["used_by_graph"] = false;
   EXPECT_TRUE(verdict_on(report, "Odometry against the map").is_null());
+}
+
+TEST(ReportVerdicts, AreNotGoodWhereAnotherDriveWasLost) {
+  json::Json report = good_report();
+  ExaminedDrive drive = straight_drive();
+  report["examinations"].push_back(examination_figures(drive, straight_map()));
+  EXPECT_EQ(verdict_on(report, "Examination by tuesday_in_monday"), true);
+  set_state(drive, 30, 31, localization::LocalizationState::kLost);
+  drive.name = "friday_in_monday";
+  report["examinations"].push_back(examination_figures(drive, straight_map()));
+  report["verdicts"] = verdicts(report);
+  EXPECT_EQ(overall_verdict(report), "Look at: Examination by friday_in_monday");
 }
 
 TEST(ReportVerdicts, AreSummedUp) {

@@ -59,6 +59,15 @@ class LocalizedDrives : public testing::Test {
     return run("localize_bag", more);
   }
 
+  /// The drive of another day in the map, localised once.
+  static std::filesystem::path localized_day() {
+    const std::filesystem::path output = root() / "day";
+    if (std::filesystem::exists(output)) return output;
+    EXPECT_EQ(localize(other_day(), output), 0) << said();
+    EXPECT_TRUE(has_said("found after")) << said();
+    return output;
+  }
+
   /// T_truth_map: where the map lies in the simulated world. The mapping drive's own errors of some
   /// millimetres stay in the errors of a drive that is localised.
   static Pose T_truth_map() {

@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "json.hpp"
 #include "localized_drives.hpp"
 
 namespace lidar_mapping::tools {
@@ -19,14 +20,29 @@ using test::Words;
 using LocalizeBag = test::LocalizedDrives;
 
 TEST_F(LocalizeBag, FindsADriveOfAnotherDayByAnotherSensor) {
-  const fs::path output = root() / "day";
-  ASSERT_EQ(localize(other_day(), output), 0) << said();
-  EXPECT_TRUE(has_said("found after")) << said();
-  const auto errors = errors_of("other_day", output);
+  const auto errors = errors_of("other_day", localized_day());
   EXPECT_GT(errors.translation_m.count, 200U);
   EXPECT_LT(errors.translation_m.max, 0.5);
   EXPECT_LT(errors.rotation_deg.max, 2.0);
   EXPECT_LT(errors.translation_m.rmse, 0.05);
+}
+
+TEST_F(LocalizeBag, ExaminesTheMap) {
+  const fs::path file = root() / "quality.json";
+  ASSERT_EQ(run("map_quality", {map(), "--examined-by", localized_day(), "--json", file}), 0)
+      << said();
+  EXPECT_TRUE(has_said("examined by day (other_day.bag), ")) << said();
+  const json::Json figures = json::Json::parse(content_of(file));
+  ASSERT_EQ(figures["examinations"].size(), 1U);
+  const json::Json& drive = figures["examinations"][0];
+  EXPECT_GT(drive["states"]["following"]["scans"], 200);
+  EXPECT_GT(drive["in_map"]["followed"]["path_m"], 50.0);
+  EXPECT_TRUE(drive["losses"].empty()) << drive["losses"];
+  EXPECT_GT(drive["odometry"]["motions"], 50);
+  EXPECT_LT(drive["odometry"]["max_m"], 0.3);
+  const json::Json& verdict = figures["verdicts"].back();
+  EXPECT_EQ(verdict["name"], "Examination by day");
+  EXPECT_EQ(verdict["good"], true) << verdict;
 }
 
 TEST_F(LocalizeBag, FindsADriveInTheOppositeDirection) {

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "examined_drive.hpp"
 #include "localization/localize_files.hpp"
 #include "localization/localize_summary.hpp"
 #include "near.hpp"
@@ -33,6 +34,8 @@ LocalizedScan scan_with(LocalizationState state, Stamp stamp) {
   scan.result.agreement = 0.8;
   scan.result.coverage = 0.9;
   scan.path = to_seconds(stamp);
+  scan.T_odom_base.translation = {scan.path, 7.0, 0.0};
+  scan.segment = 2;
   scan.seconds = 0.002;
   return scan;
 }
@@ -93,6 +96,8 @@ TEST(LocalizationCsv, HasARowForEachScanWithAllDigitsOfItsStamp) {
   EXPECT_EQ(rows[3].at("state"), "beside_map");
   EXPECT_EQ(rows[1].at("reason"), "\"the map shows it, all of it\"");
   EXPECT_EQ(rows[1].count("latitude_deg"), 0U);
+  EXPECT_EQ(rows[0].at("path"), "1.0000");
+  EXPECT_EQ(rows[0].at("segment"), "2");
 }
 
 TEST(LocalizationCsv, LeavesPosesEmptyWhereNoneIsClaimed) {
@@ -125,8 +130,36 @@ TEST(LocalizationFiles, HoldThePosesInATrajectory) {
   ASSERT_EQ(poses.poses.size(), 3U);  // all but the one that was searched for
   EXPECT_EQ(poses.poses[0].stamp, 3'000'000'001);
   EXPECT_TRUE(test::near(poses.poses[0].pose.translation, Eigen::Vector3d(3.0, 4.0, 0.5), 1e-6));
+  const auto odometry =
+      read_trajectory(folder.path() / "new" / "trajectory/laser_odom_scans.tum").poses;
+  ASSERT_EQ(odometry.size(), 4U);
+  EXPECT_EQ(odometry[1].stamp, 3'000'000'001);
+  EXPECT_TRUE(test::near(odometry[3].pose.translation, Eigen::Vector3d(5.0, 7.0, 0.0), 1e-6));
   EXPECT_THROW(check_new_folder(folder.path() / "new"), FileError);
   EXPECT_NO_THROW(check_new_folder(folder.path() / "another"));
+}
+
+// With a datum there are more columns.
+TEST(LocalizationFiles, ExamineAMap) {
+  const TemporaryFolder folder;
+  const std::vector<LocalizedScan> drive = short_drive();
+  const auto expect_to_be_read = [&](const std::optional<GeodeticDatum>& datum) {
+    write_localization(folder.path(), drive, datum);
+    const auto scans = report::read_examined_scans(folder.path());
+    ASSERT_EQ(scans.size(), drive.size());
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      EXPECT_EQ(scans[i].stamp, drive[i].result.stamp);
+      EXPECT_EQ(scans[i].state, drive[i].result.state);
+      EXPECT_EQ(scans[i].reason, drive[i].result.reason);
+      EXPECT_NEAR(scans[i].path, drive[i].path, 1e-4);
+      EXPECT_EQ(scans[i].segment, 2U);
+      EXPECT_NEAR(scans[i].agreement, 0.8, 1e-9);
+      EXPECT_TRUE(test::near(scans[i].T_odom_base, drive[i].T_odom_base, 1e-6));
+    }
+    EXPECT_TRUE(test::near(scans[1].T_map_base, drive[1].result.T_map_base, 1e-4));
+  };
+  expect_to_be_read(std::nullopt);
+  expect_to_be_read(kKarlsruhe);
 }
 
 TEST(LocalizationFiles, DoNotLieInTheNewSession) {

@@ -5,6 +5,8 @@
 
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "localization/localize_files.hpp"
+#include "localization_record.hpp"
 #include "mapped_drive.hpp"
 
 namespace lidar_mapping::tools {
@@ -33,6 +35,31 @@ class MapQualityCommand : public test::MappedDrive {
     const std::string file = folder_.path() / "truth.tum";
     std::ofstream(file) << to_tum(truth);
     return file;
+  }
+
+  /// The folder of localize_bag for a made-up drive of the next day where the map's was.
+  fs::path write_drive_of_another_day() const {
+    const auto session = session::Session::open(session_, session::Session::Access::kRead);
+    std::vector<LocalizedScan> scans;
+    for (const KeyFramePose& pose : session.poses().poses) {
+      LocalizedScan scan;
+      scan.result.stamp = pose.stamp + 86'400 * kNanosecondsPerSecond;
+      scan.result.state = localization::LocalizationState::kFollowing;
+      scan.result.T_map_base = pose.T_map_base;
+      scan.result.agreement = 0.7;
+      scan.result.coverage = 0.9;
+      scan.T_odom_base = pose.T_map_base;
+      const Eigen::Vector3d& p = pose.T_map_base.translation;
+      if (!scans.empty()) {
+        scan.path = scans.back().path + (p - scans.back().T_odom_base.translation).norm();
+      }
+      scans.push_back(scan);
+    }
+    const fs::path folder = folder_.path() / "tuesday";
+    write_localization(folder, scans, std::nullopt);
+    report::write_localization_record(
+        folder, {{"tuesday.bag"}, report::identity_of(session.poses(), session_)});
+    return folder;
   }
 
   const TemporaryFolder folder_;
@@ -82,6 +109,27 @@ TEST_F(MapQualityCommand, MissesATruthThatIsNotThere) {
   std::ofstream(other) << "1.0 0 0 0 0 0 0 1\n2.0 1 0 0 0 0 0 1\n";
   EXPECT_EQ(run("map_quality", {session_, "--truth", other}), 1);
   EXPECT_TRUE(has_said("check the clocks")) << said();
+}
+
+TEST_F(MapQualityCommand, ExaminesTheMapByAnotherDrive) {
+  const std::string drive = write_drive_of_another_day();
+  ASSERT_EQ(run("map_quality", {session_, "--examined-by", drive, "--report"}), 0) << said();
+  EXPECT_TRUE(has_said("examined by tuesday (tuesday.bag), ")) << said();
+  EXPECT_TRUE(has_said("good      Examination by tuesday     100.0 % of ")) << said();
+  const std::string page = content_of(session_ / "report.html");
+  for (const char* part : {"Examination by other drives", "tuesday: tuesday.bag",
+                           "The trajectory of the map. Grey", "over 10 m"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+}
+
+TEST_F(MapQualityCommand, RefusesADriveThatExaminesAnotherMap) {
+  const std::string drive = write_drive_of_another_day();
+  report::write_localization_record(drive, {{"tuesday.bag"}, report::identity_of({}, "friday")});
+  EXPECT_EQ(run("map_quality", {session_, "--examined-by", drive}), 1);
+  EXPECT_TRUE(has_said("it was localised in the map friday (0 key frames)")) << said();
+  EXPECT_EQ(run("map_quality", {session_, "--examined-by", session_}), 1);
+  EXPECT_TRUE(has_said("there is no localization.json in")) << said();
 }
 
 TEST_F(MapQualityCommand, SaysInTheReportWhereItComesFrom) {

@@ -34,6 +34,10 @@ Stamp stamp_of_nanoseconds(const std::string& word);
 /// Seconds since any epoch as a time. Throws InputError beyond 142 years (2112, after 1970).
 Stamp stamp_of_seconds(double seconds);
 
+/// The same for a word. Digits are taken one by one, because a double would round the stamps of
+/// today to a quarter of a microsecond.
+Stamp stamp_of_seconds(const std::string& word);
+
 /// From the upper 3x4 of a homogeneous matrix. Throws InputError if it holds no rotation: its axes
 /// are to be at right angles and of unit length within 5 %, as many digits as people keep.
 Pose rigid_pose(const Eigen::Matrix4d& matrix);

@@ -24,6 +24,8 @@ class SessionMap {
   /// Geodetic origin of the map, which is then East-North-Up; none without GNSS, unless the map was
   /// imported with a datum.
   std::optional<GeodeticDatum> datum() const;
+  /// Newest poses of the key frames, T_map_base.
+  KeyFramePoses poses() const { return session_.poses(); }
   /// The points of all key frames in the map, one for each voxel of edge `resolution` (m); for
   /// display.
   PointCloud cloud(double resolution) const;

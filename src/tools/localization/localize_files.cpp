@@ -18,7 +18,7 @@ using localization::LocalizationResult;
 
 constexpr const char* kHead =
     "stamp,state,probability,x,y,z,qx,qy,qz,qw,stddev_x,stddev_y,stddev_z,stddev_roll_deg,"
-    "stddev_pitch_deg,stddev_yaw_deg,agreement,coverage,hypotheses";
+    "stddev_pitch_deg,stddev_yaw_deg,agreement,coverage,hypotheses,path,segment";
 constexpr const char* kHeadOnEarth = ",latitude_deg,longitude_deg,altitude_m,easting,northing";
 
 // By definition: the empty cells of a scan without a pose.
@@ -52,21 +52,31 @@ class EarthCells {
   UtmFrame utm_;
 };
 
-std::string row(const LocalizationResult& result, const std::optional<EarthCells>& earth) {
+std::string row(const LocalizedScan& scan, const std::optional<EarthCells>& earth) {
+  const LocalizationResult& result = scan.result;
   const bool has_pose = localization::has_pose(result.state);
   std::string text = seconds_text(result.stamp) + ',' + localization::to_string(result.state) +
                      formatted(",%.4f", result.probability);
   text += has_pose ? pose_cells(result) : kNoPose;
-  text += formatted(",%.4f,%.4f,%zu", result.agreement, result.coverage, result.hypotheses);
+  text += formatted(",%.4f,%.4f,%zu,%.4f,%u", result.agreement, result.coverage, result.hypotheses,
+                    scan.path, scan.segment);
   if (earth) text += has_pose ? earth->of(result.T_map_base.translation) : kNoPlaceOnEarth;
   return text + ",\"" + result.reason + "\"\n";
 }
 
-Trajectory trajectory_of(const std::vector<LocalizedScan>& scans) {
+Trajectory in_map(const std::vector<LocalizedScan>& scans) {
   Trajectory trajectory;
   for (const LocalizedScan& scan : scans) {
     if (!localization::has_pose(scan.result.state)) continue;
     trajectory.poses.push_back({scan.result.stamp, scan.result.T_map_base});
+  }
+  return trajectory;
+}
+
+Trajectory by_odometry(const std::vector<LocalizedScan>& scans) {
+  Trajectory trajectory;
+  for (const LocalizedScan& scan : scans) {
+    trajectory.poses.push_back({scan.result.stamp, scan.T_odom_base});
   }
   return trajectory;
 }
@@ -94,13 +104,15 @@ std::string localization_csv(const std::vector<LocalizedScan>& scans,
   std::optional<EarthCells> earth;
   if (datum) earth.emplace(*datum);
   std::string text = std::string(kHead) + (earth ? kHeadOnEarth : "") + ",reason\n";
-  for (const LocalizedScan& scan : scans) text += row(scan.result, earth);
+  for (const LocalizedScan& scan : scans) text += row(scan, earth);
   return text;
 }
 
 void write_localization(const fs::path& folder, const std::vector<LocalizedScan>& scans,
                         const std::optional<GeodeticDatum>& datum) {
-  write_text_atomically(folder / "trajectory" / "localized.tum", to_tum(trajectory_of(scans)));
+  const fs::path trajectories = folder / "trajectory";
+  write_text_atomically(trajectories / "localized.tum", to_tum(in_map(scans)));
+  write_text_atomically(trajectories / "laser_odom_scans.tum", to_tum(by_odometry(scans)));
   write_text_atomically(folder / "localization.csv", localization_csv(scans, datum));
 }
 

@@ -25,8 +25,8 @@ void check_session_folder(const std::filesystem::path& session,
 std::string localization_csv(const std::vector<LocalizedScan>& scans,
                              const std::optional<GeodeticDatum>& datum);
 
-/// Writes trajectory/localized.tum and localization.csv; the folder is made. The bytes depend on
-/// the results alone. Throws FileError.
+/// Writes trajectory/localized.tum, trajectory/laser_odom_scans.tum and localization.csv; the
+/// folder is made. The bytes depend on the results alone. Throws FileError.
 void write_localization(const std::filesystem::path& folder,
                         const std::vector<LocalizedScan>& scans,
                         const std::optional<GeodeticDatum>& datum);

@@ -17,6 +17,7 @@
 
 #include "localization/localize_files.hpp"
 #include "localization/localize_summary.hpp"
+#include "localization_record.hpp"
 #include "recording/recording_part.hpp"
 
 namespace lidar_mapping::tools {
@@ -48,7 +49,8 @@ class LocalizedDrive {
     const ThreadTime time;
     const localization::LocalizerInput input = input_of(scan);
     path_ += input.T_previous_base.translation.norm();
-    LocalizedScan localized{localizer_.process(input), path_, 0.0};
+    LocalizedScan localized{localizer_.process(input), scan.result.T_odom_base, scan.result.segment,
+                            path_, 0.0};
     localized.seconds = time.seconds();
     if (extender_ != nullptr) extend(scan.result, localized.result);
     scans_.push_back(std::move(localized));
@@ -121,6 +123,9 @@ class LocalizingRun {
       throw InputError("no scan could be used; the lines above say why");
     }
     write_localization(options_.output, localized.scans(), map.datum());
+    report::write_localization_record(options_.output,
+                                      {report::names_of_recordings(drive.paths),
+                                       report::identity_of(map.poses(), map.directory())});
     return conclude(localized.scans());
   }
 

@@ -8,8 +8,10 @@ namespace lidar_mapping::tools {
 /// What localize_bag keeps of a scan.
 struct LocalizedScan {
   localization::LocalizationResult result;
-  double path = 0.0;     ///< by odometry since the first scan, m
-  double seconds = 0.0;  ///< processor time of its localisation; differs from run to run
+  Pose T_odom_base;           ///< by odometry
+  std::uint32_t segment = 0;  ///< odometry leads from scan to scan within one
+  double path = 0.0;          ///< by odometry since the first scan, m
+  double seconds = 0.0;       ///< processor time of its localisation; differs from run to run
 };
 
 }  // namespace lidar_mapping::tools
