@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <Eigen/Cholesky>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/pose_graph/graph_file.hpp"
+
+namespace lidar_mapping::pose_graph {
+
+namespace {
+
+// The file consists of 64-bit words, little-endian; see doc/back_end.md.
+using Word = std::uint64_t;
+
+// "LMGRAPH" and a line feed, by the format: a transfer as text would change the last byte.
+constexpr Word kMagic = 0x0a48504152474d4c;
+constexpr Word kVersion = 1;  // by the format: of what follows the first two words
+// Words before the nodes, by the format: magic, version, dimensions, numbers of nodes and edges.
+constexpr std::size_t kHeaderWords = 5;
+// Words that are read or written at once. Chosen: half a megabyte costs few calls of the system.
+constexpr std::size_t kBufferWords = 65536;
+// By how much the length of a quaternion may differ from 1. Chosen: far above the rounding of
+// doubles, far below any error of a rotation that matters.
+constexpr double kQuaternionRounding = 1e-9;
+
+/// Numbers of a pose and of the upper triangle of its information, by the format.
+std::size_t pose_words(bool planar) { return planar ? 3 : 7; }
+std::size_t information_words(bool planar) { return planar ? 6 : 21; }
+std::size_t node_words(bool planar) { return 1 + pose_words(planar); }
+std::size_t edge_words(bool planar) { return 2 + pose_words(planar) + information_words(planar); }
+
+/// The word in the file's order of bytes, or back; nothing changes on most processors.
+Word little_endian(Word word) {
+  std::array<unsigned char, sizeof(Word)> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] = static_cast<unsigned char>(word >> (8 * i));
+  }
+  std::memcpy(&word, bytes.data(), sizeof word);
+  return word;
+}
+
+/// FNV-1a (Fowler, Noll and Vo) of words instead of bytes, which is eight times as fast.
+class Checksum {
+ public:
+  void add(Word word) { value_ = (value_ ^ word) * kPrime; }
+  Word value() const { return value_; }
+
+ private:
+  static constexpr Word kPrime = 0x100000001b3;  // by the definition of FNV-1a for 64 bits
+  Word value_ = 0xcbf29ce484222325;              // likewise
+};
+
+/// Calls `visit` with row and column of each entry of the upper triangle of an information matrix
+/// that the file has.
+template <typename Visit>
+void visit_information(bool planar, const Visit& visit) {
+  const auto is_planar = [](int i) { return i < 2 || i == 5; };  // x, y, yaw
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      if (!planar || (is_planar(row) && is_planar(column))) visit(row, column);
+    }
+  }
+}
+
+class WordReader {
+ public:
+  explicit WordReader(const std::string& path) : path_(path), stream_(open_for_reading(path)) {
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    words_ = error ? 0 : static_cast<std::size_t>(bytes / sizeof(Word));
+    is_whole_ = !error && bytes % sizeof(Word) == 0;
+  }
+
+  std::size_t words() const { return words_; }
+  bool is_whole() const { return is_whole_; }
+  Word checksum() const { return checksum_.value(); }
+
+  /// The next word; it counts for the checksum.
+  Word word() {
+    const Word result = next();
+    checksum_.add(result);
+    return result;
+  }
+
+  /// The next word, which does not count.
+  Word next() {
+    if (position_ == buffer_.size()) fill();
+    return little_endian(buffer_[position_++]);
+  }
+
+  std::int64_t integer() { return static_cast<std::int64_t>(word()); }
+
+  double number() {
+    const Word bits = word();
+    double value = 0.0;
+    std::memcpy(&value, &bits, sizeof value);
+    if (!std::isfinite(value)) fail("holds a number that is not finite; write it again");
+    return value;
+  }
+
+  double coordinate() {
+    const double value = number();
+    if (std::abs(value) > kMaxCoordinate) fail("has a pose beyond a million kilometres");
+    return value;
+  }
+
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw FileError(path_ + " " + problem);
+  }
+
+ private:
+  void fill() {
+    buffer_.resize(kBufferWords);
+    stream_.read(reinterpret_cast<char*>(buffer_.data()),
+                 static_cast<std::streamsize>(buffer_.size() * sizeof(Word)));
+    buffer_.resize(static_cast<std::size_t>(stream_.gcount()) / sizeof(Word));
+    position_ = 0;
+    if (buffer_.empty()) fail("is cut; copy it again");
+  }
+
+  std::string path_;
+  std::ifstream stream_;
+  std::size_t words_ = 0;
+  bool is_whole_ = true;
+  std::vector<Word> buffer_;
+  std::size_t position_ = 0;
+  Checksum checksum_;
+};
+
+Pose read_pose(WordReader& reader, bool planar) {
+  Pose pose;
+  for (int i = 0; i < (planar ? 2 : 3); ++i) pose.translation[i] = reader.coordinate();
+  if (planar) {
+    pose.rotation = exp_so3({0.0, 0.0, reader.coordinate()});
+    return pose;
+  }
+  for (int i = 0; i < 4; ++i) pose.rotation.coeffs()[i] = reader.coordinate();
+  if (std::abs(pose.rotation.norm() - 1.0) > kQuaternionRounding) {
+    reader.fail("has a quaternion whose length is not 1; write it again");
+  }
+  return pose;
+}
+
+Matrix6d read_information(WordReader& reader, bool planar) {
+  Matrix6d information = Matrix6d::Identity();
+  visit_information(planar, [&](int row, int column) {
+    information(row, column) = information(column, row) = reader.number();
+  });
+  if (Eigen::LLT<Matrix6d>(information).info() != Eigen::Success) {
+    reader.fail("has an information matrix that is not positive definite; read_g2o() repairs such");
+  }
+  return information;
+}
+
+bool has_node(const PoseGraph& graph, std::int64_t id) {
+  const auto found =
+      std::lower_bound(graph.nodes.begin(), graph.nodes.end(), id,
+                       [](const PoseNode& node, std::int64_t wanted) { return node.id < wanted; });
+  return found != graph.nodes.end() && found->id == id;
+}
+
+/// Sizes of a graph, and whether they agree with the size of the file.
+struct Header {
+  bool planar = false;
+  std::size_t nodes = 0;
+  std::size_t edges = 0;
+};
+
+Header read_header(WordReader& reader) {
+  if (reader.words() < kHeaderWords || reader.word() != kMagic) {
+    reader.fail("is no binary pose graph; a file in g2o's format must not end in .lmg");
+  }
+  const Word version = reader.word();
+  if (version != kVersion) {
+    reader.fail("is of version " + std::to_string(version) + ", but this program reads version " +
+                std::to_string(kVersion) + "; convert it with the program that wrote it");
+  }
+  const Word dimensions = reader.word();
+  if (dimensions != 2 && dimensions != 3) {
+    reader.fail("has " + std::to_string(dimensions) + " dimensions; there are graphs of 2 and 3");
+  }
+  Header header;
+  header.planar = dimensions == 2;
+  header.nodes = static_cast<std::size_t>(reader.word());
+  header.edges = static_cast<std::size_t>(reader.word());
+  // Compared without products, which could overflow. The last word is the checksum.
+  const std::size_t body = reader.words() - kHeaderWords;
+  const std::size_t node_size = node_words(header.planar), edge_size = edge_words(header.planar);
+  const bool fits = header.nodes <= body / node_size && header.edges <= body / edge_size;
+  if (!fits || !reader.is_whole() ||
+      header.nodes * node_size + header.edges * edge_size + 1 != body) {
+    reader.fail("names " + std::to_string(header.nodes) + " nodes and " +
+                std::to_string(header.edges) + " edges, which is not its size; copy it again");
+  }
+  if (header.nodes == 0 || header.edges == 0) {
+    reader.fail("has no nodes or no edges; there is nothing to optimise");
+  }
+  return header;
+}
+
+void read_nodes(WordReader& reader, const Header& header, PoseGraph& graph) {
+  graph.nodes.reserve(header.nodes);
+  for (std::size_t i = 0; i < header.nodes; ++i) {
+    const std::int64_t id = reader.integer();
+    if (!graph.nodes.empty() && id <= graph.nodes.back().id) {
+      reader.fail("has node " + std::to_string(id) + " after node " +
+                  std::to_string(graph.nodes.back().id) + "; ids must ascend");
+    }
+    graph.nodes.push_back({id, read_pose(reader, header.planar)});
+  }
+}
+
+void read_edges(WordReader& reader, const Header& header, PoseGraph& graph) {
+  graph.edges.reserve(header.edges);
+  for (std::size_t i = 0; i < header.edges; ++i) {
+    PoseEdge& edge = graph.edges.emplace_back();
+    edge.from = reader.integer();
+    edge.to = reader.integer();
+    if (edge.from == edge.to || !has_node(graph, edge.from) || !has_node(graph, edge.to)) {
+      reader.fail("has an edge from " + std::to_string(edge.from) + " to " +
+                  std::to_string(edge.to) + "; it must join two of its nodes");
+    }
+    edge.T_from_to = read_pose(reader, header.planar);
+    edge.information = read_information(reader, header.planar);
+  }
+}
+
+class WordWriter {
+ public:
+  explicit WordWriter(std::ostream& stream) : stream_(stream) { buffer_.reserve(kBufferWords); }
+
+  void word(Word value) {
+    checksum_.add(value);
+    buffer_.push_back(little_endian(value));
+    if (buffer_.size() == kBufferWords) flush();
+  }
+  void integer(std::int64_t value) { word(static_cast<Word>(value)); }
+  void number(double value) {
+    Word bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    word(bits);
+  }
+  void finish() {
+    word(checksum_.value());
+    flush();
+  }
+
+ private:
+  void flush() {
+    stream_.write(reinterpret_cast<const char*>(buffer_.data()),
+                  static_cast<std::streamsize>(buffer_.size() * sizeof(Word)));
+    buffer_.clear();
+  }
+
+  std::ostream& stream_;
+  std::vector<Word> buffer_;
+  Checksum checksum_;
+};
+
+void write_pose(WordWriter& writer, const Pose& pose, bool planar) {
+  for (int i = 0; i < (planar ? 2 : 3); ++i) writer.number(pose.translation[i]);
+  if (planar) {
+    writer.number(yaw_of(pose.rotation));
+    return;
+  }
+  for (int i = 0; i < 4; ++i) writer.number(pose.rotation.coeffs()[i]);
+}
+
+void write_words(const PoseGraph& graph, WordWriter& writer) {
+  writer.word(kMagic);
+  writer.word(kVersion);
+  writer.word(graph.planar ? 2 : 3);
+  writer.word(graph.nodes.size());
+  writer.word(graph.edges.size());
+  for (const PoseNode& node : graph.nodes) {
+    writer.integer(node.id);
+    write_pose(writer, node.pose, graph.planar);
+  }
+  for (const PoseEdge& edge : graph.edges) {
+    writer.integer(edge.from);
+    writer.integer(edge.to);
+    write_pose(writer, edge.T_from_to, graph.planar);
+    visit_information(graph.planar,
+                      [&](int row, int column) { writer.number(edge.information(row, column)); });
+  }
+  writer.finish();
+}
+
+bool is_binary(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".lmg";
+}
+
+}  // namespace
+
+PoseGraph read_binary_graph(const std::string& path) {
+  WordReader reader(path);
+  const Header header = read_header(reader);
+  PoseGraph graph;
+  graph.planar = header.planar;
+  read_nodes(reader, header, graph);
+  read_edges(reader, header, graph);
+  const Word expected = reader.checksum();
+  if (reader.next() != expected) reader.fail("has a wrong checksum; copy it again");
+  return graph;
+}
+
+void write_binary_graph(const PoseGraph& graph, const std::string& path) {
+  write_stream_atomically(path, [&](std::ostream& stream) {
+    WordWriter writer(stream);
+    write_words(graph, writer);
+  });
+}
+
+G2oFile read_graph(const std::string& path) {
+  if (is_binary(path)) return {read_binary_graph(path), {}};
+  return read_g2o(path);
+}
+
+void write_graph(const PoseGraph& graph, const std::string& path) {
+  if (is_binary(path)) {
+    write_binary_graph(graph, path);
+  } else {
+    write_g2o(graph, path);
+  }
+}
+
+}  // namespace lidar_mapping::pose_graph
