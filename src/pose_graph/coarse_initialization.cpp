@@ -17,10 +17,11 @@ namespace {
 // Key frames of a piece. Chosen: odometry hardly drifts over so few, and 30 times fewer unknowns
 // cost next to nothing.
 constexpr int kPieceNodes = 32;
-// Gauss-Newton steps of the coarse graph at most, and their tolerance. Chosen: the whole graph is
-// solved afterwards, so that errors of a part of the noise do no harm.
+// Gauss-Newton steps of the coarse graph at most, and the fraction of its cost below which a gain
+// is left to the whole graph, which is solved afterwards. Chosen: one step does after the
+// relaxation.
 constexpr int kCoarseSteps = 5;
-constexpr double kCoarseTolerance = 1e-3;
+constexpr double kCoarseTolerance = 0.1;
 
 std::size_t slot(int index) { return static_cast<std::size_t>(index); }
 

@@ -22,7 +22,7 @@ constexpr double kFirstDamping = 1e-4;
 // Damping beyond which no step is tried. Chosen: its steps are too short to change a pose.
 constexpr double kLargestDamping = 1e32;
 
-/// Damping of the steps, by how well the last ones were predicted (Madsen et al. 2004), with the
+/// Damping of the steps, by how well the last ones were predicted (Nocedal & Wright 2006), with the
 /// factors of Ceres. It is the inverse of the radius of a trust region.
 class Damping {
  public:
@@ -68,18 +68,19 @@ class CondensedMinimizer {
       take_step();
     }
     summary.final_cost = cost_;
-    // Without a solution of the equations nothing is known; otherwise no less cost was found.
-    summary.usable = has_moved_ || message_ == kConverged;
+    // Without a solution of the equations nothing is known; otherwise this is the least cost found.
+    summary.usable = std::isfinite(cost_) && (has_moved_ || message_ != kSingular);
     summary.message = message_.empty() ? "the iterations ran out" : message_;
     return summary;
   }
 
  private:
   static constexpr const char* kConverged = "converged";
+  static constexpr const char* kSingular = "the equations are singular";
 
   void take_step() {
     const CondensedStep step = system_.solve(damping_.value());
-    if (!step.is_usable) return increase_damping("the equations are singular");
+    if (!step.is_usable) return increase_damping(kSingular);
     problem_.apply(system_.nodes(), step.step);
     const double gain = cost_ - total_cost<size>(problem_, threads_);
     if (gain >= 0.0) return accept(gain, step.expected_gain);

@@ -120,11 +120,14 @@ GraphReport optimize_edges(PoseGraph& graph, const GraphOptions& options) {
   GraphReport report;
   report.initial_cost = total_chi2<size>(graph, options.threads);
   report.start = start(graph, options);
-  report.start_cost = total_chi2<size>(graph, options.threads);
+  const double start_cost = is_robust(options) ? total_chi2<size>(graph, options.threads) : 0.0;
   const auto problem = make_condensed_problem<size>(graph, options.kernel, options.kernel_size);
   const MinimizerSummary summary =
       minimize_condensed<size>(*problem, settings_of(options), options.threads);
-  report.final_cost = total_chi2<size>(graph, options.threads);
+  // Under a kernel, the cost of the minimisation is not that of the edges.
+  const bool plain = options.kernel == RobustKernel::kNone;
+  report.start_cost = plain ? summary.initial_cost : start_cost;
+  report.final_cost = plain ? summary.final_cost : total_chi2<size>(graph, options.threads);
   report.iterations = summary.iterations;
   report.success = summary.usable;
   report.message = summary.message;

@@ -157,26 +157,32 @@ class PoseGraphProblem : public CondensedProblem<size> {
     }
     const Eigen::Matrix3d P = e.R_z * e.R_b;
     const Eigen::Matrix3d W = e.q.w() * Eigen::Matrix3d::Identity() + skew(e.q.vec());
-    Matrix6d& H = blocks.second;
-    const Eigen::Matrix3d tt = information.topLeftCorner<3, 3>() * P;
-    const Eigen::Matrix3d tr = information.topRightCorner<3, 3>() * W;
-    const Eigen::Matrix3d rr = information.bottomRightCorner<3, 3>() * W;
-    H.topLeftCorner<3, 3>().noalias() = P.transpose() * tt;
-    H.topRightCorner<3, 3>().noalias() = P.transpose() * tr;
-    H.bottomLeftCorner<3, 3>() = H.topRightCorner<3, 3>().transpose();
-    H.bottomRightCorner<3, 3>().noalias() = W.transpose() * rr;
-    // A = [R^T, -2 R^T [t]x; 0, R^T], and so A^T = [R, 0; 2 [t]x R, R].
-    const Eigen::Matrix3d X = 2.0 * (skew(e.t_b) * e.R_b);
-    const Matrix6d& cross = blocks.cross;
-    blocks.cross.template topRows<3>().noalias() = -e.R_b * H.topRows<3>();
-    blocks.cross.template bottomRows<3>().noalias() = -e.R_b * H.bottomRows<3>();
-    blocks.cross.template bottomRows<3>().noalias() -= X * H.topRows<3>();
-    blocks.first.template leftCols<3>().noalias() = -cross.leftCols<3>() * e.R_b.transpose();
-    blocks.first.template rightCols<3>().noalias() = -cross.rightCols<3>() * e.R_b.transpose();
-    blocks.first.template rightCols<3>().noalias() -= cross.leftCols<3>() * X.transpose();
+    const Eigen::Matrix3d tt_P = information.topLeftCorner<3, 3>() * P;
+    const Eigen::Matrix3d tr_W = information.topRightCorner<3, 3>() * W;
+    const Eigen::Matrix3d rr_W = information.bottomRightCorner<3, 3>() * W;
+    const Eigen::Matrix3d tt = P.transpose() * tt_P;
+    const Eigen::Matrix3d tr = P.transpose() * tr_W;
+    const Eigen::Matrix3d rr = W.transpose() * rr_W;
+    blocks.second << tt, tr, tr.transpose(), rr;
+    // A = [R^T, -2 R^T [t]x; 0, R^T], and so A^T = [R, 0; X, R].
+    const Eigen::Matrix3d& R = e.R_b;
+    const Eigen::Matrix3d X = 2.0 * (skew(e.t_b) * R);
+    const Eigen::Matrix3d cross_tt = R * tt;
+    const Eigen::Matrix3d cross_tr = R * tr;
+    Eigen::Matrix3d cross_rt = X * tt;
+    cross_rt.noalias() += R * tr.transpose();
+    Eigen::Matrix3d cross_rr = X * tr;
+    cross_rr.noalias() += R * rr;
+    blocks.cross << -cross_tt, -cross_tr, -cross_rt, -cross_rr;
+    const Eigen::Matrix3d first_tt = cross_tt * R.transpose();
+    Eigen::Matrix3d first_tr = cross_tt * X.transpose();
+    first_tr.noalias() += cross_tr * R.transpose();
+    Eigen::Matrix3d first_rr = cross_rt * X.transpose();
+    first_rr.noalias() += cross_rr * R.transpose();
+    blocks.first << first_tt, first_tr, first_tr.transpose(), first_rr;
     blocks.second_gradient << P.transpose() * pull.head<3>(), W.transpose() * pull.tail<3>();
     const Vector6d& g = blocks.second_gradient;
-    blocks.first_gradient << -(e.R_b * g.head<3>()), -(e.R_b * g.tail<3>()) - X * g.head<3>();
+    blocks.first_gradient << -(R * g.head<3>()), -(R * g.tail<3>()) - X * g.head<3>();
   }
 
   void linearise_planar(const PoseEdge& edge, const Eigen::Vector3d& first,
