@@ -9,8 +9,6 @@ namespace lidar_mapping::pose_graph {
 namespace {
 
 // A minimal damping, as in gauss_newton.cpp: directions that rounding alone determines do not move.
-// Chosen: just above that rounding. Measured: 1e-10 holds the softest bends of a long drive, so
-// that 100 000 key frames need 30 steps instead of 3.
 constexpr double kDiagonalScaling = 1e-14;
 
 std::size_t slot(int index) { return static_cast<std::size_t>(index); }
