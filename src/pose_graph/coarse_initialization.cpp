@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coarse_initialization.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -55,11 +56,14 @@ Matrix6d information_of(const Spread& spread, bool planar) {
   return diagonal.asDiagonal();
 }
 
-/// A node in the piece that it belongs to.
+/// A node in the piece that it belongs to. There is one for each node, so that it is kept small.
 struct Placed {
-  int piece = 0;
-  Spread spread;
   Pose T_start_node;  ///< in the first node of the piece, by odometry
+  int piece = 0;
+  float translation = 0.0F;  ///< of its spread there
+  float rotation = 0.0F;
+
+  Spread spread() const { return {translation, rotation}; }
 };
 
 class CoarseInitialization {
@@ -70,19 +74,23 @@ class CoarseInitialization {
     divide();
     build_coarse_graph();
     if (!initialize_chordally(coarse_)) return false;
-    const MinimizerSettings settings = {kCoarseSteps, std::nullopt, kCoarseTolerance, {}};
     if (graph_.planar) {
-      minimize_condensed<3>(*make_condensed_problem<3>(coarse_, RobustKernel::kNone, 1.0), settings,
-                            threads);
+      improve<3>(threads);
     } else {
-      minimize_condensed<6>(*make_condensed_problem<6>(coarse_, RobustKernel::kNone, 1.0), settings,
-                            threads);
+      improve<6>(threads);
     }
     place_nodes();
     return true;
   }
 
  private:
+  template <int size>
+  void improve(int threads) {
+    const auto problem = make_condensed_problem<size>(coarse_, RobustKernel::kNone, 1.0);
+    minimize_condensed<size>(*problem, condensed_structure<size>(*problem, threads),
+                             {kCoarseSteps, std::nullopt, kCoarseTolerance, {}}, threads);
+  }
+
   /// The first edge of odometry to each node from the one before; -1: none.
   std::vector<int> chain_edges() const {
     std::vector<int> chain(graph_.nodes.size(), -1);
@@ -112,8 +120,10 @@ class CoarseInitialization {
     const Placed& last = placed_[node - 1];
     const Pose motion = motion_along(edge, static_cast<int>(node));
     placed_[node].T_start_node = last.T_start_node * motion;
-    placed_[node].spread = sum(last.spread, spread_of(graph_.edges[slot(edge)], graph_.planar),
-                               motion.translation.norm());
+    const Spread spread = sum(last.spread(), spread_of(graph_.edges[slot(edge)], graph_.planar),
+                              motion.translation.norm());
+    placed_[node].translation = static_cast<float>(spread.translation);
+    placed_[node].rotation = static_cast<float>(spread.rotation);
   }
 
   /// Pose of a node in the one before, by an edge in either direction.
@@ -129,14 +139,19 @@ class CoarseInitialization {
       coarse_.nodes.push_back(
           {static_cast<std::int64_t>(i), graph_.nodes[slot(first_of_[i])].pose});
     }
+    const auto joins_pieces = [&](const std::pair<int, int>& ends) {
+      return placed_[slot(ends.first)].piece != placed_[slot(ends.second)].piece;
+    };
+    coarse_.edges.reserve(
+        static_cast<std::size_t>(std::count_if(ends_.begin(), ends_.end(), joins_pieces)));
     for (std::size_t i = 0; i < ends_.size(); ++i) {
+      if (!joins_pieces(ends_[i])) continue;
       const Placed& from = placed_[slot(ends_[i].first)];
       const Placed& to = placed_[slot(ends_[i].second)];
-      if (from.piece == to.piece) continue;
       const PoseEdge& edge = graph_.edges[i];
       const Spread there =
-          sum(from.spread, spread_of(edge, graph_.planar), edge.T_from_to.translation.norm());
-      const Spread back = sum(there, to.spread, to.T_start_node.translation.norm());
+          sum(from.spread(), spread_of(edge, graph_.planar), edge.T_from_to.translation.norm());
+      const Spread back = sum(there, to.spread(), to.T_start_node.translation.norm());
       coarse_.edges.push_back({from.piece, to.piece,
                                from.T_start_node * edge.T_from_to * to.T_start_node.inverse(),
                                information_of(back, graph_.planar)});

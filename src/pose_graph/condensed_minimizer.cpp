@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "condensed_system.hpp"
+#include <utility>
 
 namespace lidar_mapping::pose_graph {
 
@@ -51,11 +50,11 @@ class Damping {
 template <int size>
 class CondensedMinimizer {
  public:
-  CondensedMinimizer(CondensedProblem<size>& problem, const MinimizerSettings& settings,
-                     int threads)
+  CondensedMinimizer(CondensedProblem<size>& problem, CondensedStructure structure,
+                     const MinimizerSettings& settings, int threads)
       : problem_(problem),
         settings_(settings),
-        system_(problem, threads),
+        system_(problem, std::move(structure), threads),
         damping_(settings.initial_radius),
         cost_(total_cost<size>(problem, threads)),
         threads_(threads) {}
@@ -123,14 +122,14 @@ class CondensedMinimizer {
 }  // namespace
 
 template <int size>
-MinimizerSummary minimize_condensed(CondensedProblem<size>& problem,
+MinimizerSummary minimize_condensed(CondensedProblem<size>& problem, CondensedStructure structure,
                                     const MinimizerSettings& settings, int threads) {
-  return CondensedMinimizer<size>(problem, settings, threads).run();
+  return CondensedMinimizer<size>(problem, std::move(structure), settings, threads).run();
 }
 
-template MinimizerSummary minimize_condensed<3>(CondensedProblem<3>&, const MinimizerSettings&,
-                                                int);
-template MinimizerSummary minimize_condensed<6>(CondensedProblem<6>&, const MinimizerSettings&,
-                                                int);
+template MinimizerSummary minimize_condensed<3>(CondensedProblem<3>&, CondensedStructure,
+                                                const MinimizerSettings&, int);
+template MinimizerSummary minimize_condensed<6>(CondensedProblem<6>&, CondensedStructure,
+                                                const MinimizerSettings&, int);
 
 }  // namespace lidar_mapping::pose_graph

@@ -106,7 +106,8 @@ MinimizerSummary minimize_graph(FactorGraph& graph, const std::vector<bool>& use
                                 const LossOf& loss_of, const MinimizerSettings& settings,
                                 int threads) {
   FactorGraphProblem<size> problem(graph, used, loss_of);
-  return minimize_condensed<size>(problem, settings, threads);
+  return minimize_condensed<size>(problem, condensed_structure<size>(problem, threads), settings,
+                                  threads);
 }
 
 }  // namespace

@@ -2,10 +2,9 @@
 #include "condensed_system.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "lidar_mapping/common/parallel.hpp"
-
-#include "piece_elimination.hpp"
 
 namespace lidar_mapping::pose_graph {
 
@@ -37,8 +36,8 @@ struct CondensedEquations {
 };
 
 template <int size>
-CondensedSystem<size>::CondensedSystem(const CondensedProblem<size>& problem, int threads)
-    : problem_(problem), threads_(threads) {
+CondensedStructure condensed_structure(const CondensedProblem<size>& problem, int threads) {
+  CondensedStructure result;
   std::vector<int> unknown_of(slot(problem.node_count()), -1);
   std::vector<std::pair<int, int>> factors;
   factors.reserve(slot(problem.factor_count()));
@@ -51,15 +50,25 @@ CondensedSystem<size>::CondensedSystem(const CondensedProblem<size>& problem, in
   }
   for (int node = 0; node < problem.node_count(); ++node) {
     if (unknown_of[slot(node)] < 0) continue;
-    unknown_of[slot(node)] = static_cast<int>(nodes_.size());
-    nodes_.push_back(node);
+    unknown_of[slot(node)] = static_cast<int>(result.nodes.size());
+    result.nodes.push_back(node);
   }
   for (auto& [a, b] : factors) {
     a = unknown_of[slot(a)];
     b = b < 0 ? -1 : unknown_of[slot(b)];
   }
-  division_ =
-      divide_for_elimination(static_cast<int>(nodes_.size()), factors, kLargestPiece, threads);
+  result.division = divide_for_elimination(static_cast<int>(result.nodes.size()), factors,
+                                           kLargestPiece, threads);
+  return result;
+}
+
+template <int size>
+CondensedSystem<size>::CondensedSystem(const CondensedProblem<size>& problem,
+                                       CondensedStructure structure, int threads)
+    : problem_(problem),
+      threads_(threads),
+      nodes_(std::move(structure.nodes)),
+      division_(std::move(structure.division)) {
   plan_condensed_graph();
 }
 
@@ -95,6 +104,25 @@ CondensedStep CondensedSystem<size>::solve(double damping) {
   return result;
 }
 
+template <int size>
+template <typename Body>
+void CondensedSystem<size>::for_each_piece(std::size_t first, std::size_t count, const Body& body) {
+  parallel_chunks(count, kPiecesAtATime, threads_, [&](std::size_t begin, std::size_t end) {
+    std::unique_ptr<PieceElimination<size>> elimination;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!eliminations_.empty()) {
+        elimination = std::move(eliminations_.back());
+        eliminations_.pop_back();
+      }
+    }
+    if (!elimination) elimination = std::make_unique<PieceElimination<size>>();
+    for (std::size_t i = begin; i < end; ++i) body(*elimination, first + i);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    eliminations_.push_back(std::move(elimination));
+  });
+}
+
 /// Eliminates all pieces. What they leave is added up in their order.
 template <int size>
 bool CondensedSystem<size>::condense(double damping, CondensedEquations& condensed) {
@@ -103,11 +131,8 @@ bool CondensedSystem<size>::condense(double damping, CondensedEquations& condens
   std::vector<BorderInformation<size>> borders(kBatch);
   for (std::size_t batch = 0; batch < division_.pieces.size(); batch += kBatch) {
     const std::size_t count = std::min(kBatch, division_.pieces.size() - batch);
-    parallel_chunks(count, kPiecesAtATime, threads_, [&](std::size_t begin, std::size_t end) {
-      PieceElimination<size> elimination;
-      for (std::size_t i = begin; i < end; ++i) {
-        borders[i] = elimination.eliminate(problem_, division_.pieces[batch + i], damping);
-      }
+    for_each_piece(batch, count, [&](PieceElimination<size>& elimination, std::size_t piece) {
+      borders[piece - batch] = elimination.eliminate(problem_, division_.pieces[piece], damping);
     });
     for (std::size_t i = 0; i < count; ++i) {
       const BorderInformation<size>& border = borders[i];
@@ -178,15 +203,11 @@ void CondensedSystem<size>::solve_back(double damping, const CondensedEquations&
         condensed.step.segment<size>(size * static_cast<Eigen::Index>(i));
   }
   std::vector<double> damped(division_.pieces.size());
-  parallel_chunks(division_.pieces.size(), kPiecesAtATime, threads_,
-                  [&](std::size_t begin, std::size_t end) {
-                    PieceElimination<size> elimination;
-                    for (std::size_t i = begin; i < end; ++i) {
-                      const Piece& piece = division_.pieces[i];
-                      elimination.eliminate(problem_, piece, damping);
-                      damped[i] = elimination.substitute(piece, condensed.step, result.step);
-                    }
-                  });
+  for_each_piece(
+      0, division_.pieces.size(), [&](PieceElimination<size>& elimination, std::size_t i) {
+        elimination.eliminate(problem_, division_.pieces[i], damping);
+        damped[i] = elimination.substitute(division_.pieces[i], condensed.step, result.step);
+      });
   result.expected_gain = condensed.damped;
   for (const double value : damped) result.expected_gain += value;
   result.expected_gain += condensed.gain;
@@ -208,6 +229,8 @@ double total_cost(const CondensedProblem<size>& problem, int threads) {
 
 template double total_cost<3>(const CondensedProblem<3>&, int);
 template double total_cost<6>(const CondensedProblem<6>&, int);
+template CondensedStructure condensed_structure<3>(const CondensedProblem<3>&, int);
+template CondensedStructure condensed_structure<6>(const CondensedProblem<6>&, int);
 template class CondensedSystem<3>;
 template class CondensedSystem<6>;
 

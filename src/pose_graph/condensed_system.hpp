@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,8 +11,19 @@
 
 #include "condensed_problem.hpp"
 #include "elimination_pieces.hpp"
+#include "piece_elimination.hpp"
 
 namespace lidar_mapping::pose_graph {
+
+/// Which nodes of a problem move, and how they are eliminated. It does not depend on the states.
+struct CondensedStructure {
+  std::vector<int> nodes;  ///< those that are not fixed and have a factor: the unknowns
+  EliminationPieces division;
+};
+
+/// Divides the graph of a problem. `threads` 0: all cores.
+template <int size>
+CondensedStructure condensed_structure(const CondensedProblem<size>& problem, int threads);
 
 /// A step of all unknowns, and what is expected of it.
 struct CondensedStep {
@@ -29,15 +41,11 @@ struct CondensedEquations;
 template <int size>
 class CondensedSystem {
  public:
-  /// Divides the graph; the states do not matter. `threads` 0: all cores. The results have the same
-  /// bits for any number of threads.
-  CondensedSystem(const CondensedProblem<size>& problem, int threads);
+  /// `threads` 0: all cores. The results have the same bits for any number of threads.
+  CondensedSystem(const CondensedProblem<size>& problem, CondensedStructure structure, int threads);
 
-  /// The nodes that have steps, in the order of their segments: those that are not fixed and have a
-  /// factor.
+  /// The nodes that have steps, in the order of their segments.
   const std::vector<int>& nodes() const { return nodes_; }
-  /// Number of nodes of the condensed graph.
-  std::size_t condensed_nodes() const { return division_.remaining.size(); }
 
   /// Solves the equations at the current states with a fraction `damping` of their diagonal added.
   CondensedStep solve(double damping);
@@ -51,17 +59,26 @@ class CondensedSystem {
   bool solve_condensed(double damping, CondensedEquations& condensed);
   void solve_back(double damping, const CondensedEquations& condensed, CondensedStep& result);
 
+  /// Calls body(elimination, piece number) for a range of pieces, on several threads.
+  template <typename Body>
+  void for_each_piece(std::size_t first, std::size_t count, const Body& body);
+
   const CondensedProblem<size>& problem_;
   int threads_;
   std::vector<int> nodes_;
   EliminationPieces division_;
   std::unique_ptr<BlockCholesky<size>> cholesky_;  ///< of the condensed graph; null if it is empty
+  std::mutex mutex_;
+  /// Those that no thread uses at present; they keep their memory from step to step.
+  std::vector<std::unique_ptr<PieceElimination<size>>> eliminations_;
 };
 
 /// Cost of all factors at the current states.
 template <int size>
 double total_cost(const CondensedProblem<size>& problem, int threads);
 
+extern template CondensedStructure condensed_structure<3>(const CondensedProblem<3>&, int);
+extern template CondensedStructure condensed_structure<6>(const CondensedProblem<6>&, int);
 extern template class CondensedSystem<3>;
 extern template class CondensedSystem<6>;
 

@@ -2,6 +2,7 @@
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 
 #include <cmath>
+#include <future>
 #include <optional>
 
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
@@ -119,11 +120,16 @@ template <int size>
 GraphReport optimize_edges(PoseGraph& graph, const GraphOptions& options) {
   GraphReport report;
   report.initial_cost = total_chi2<size>(graph, options.threads);
+  // How nodes are eliminated does not depend on the start, which does not keep all cores busy.
+  const auto shape = make_condensed_problem<size>(graph, RobustKernel::kNone, 1.0);
+  const auto policy = options.threads == 1 ? std::launch::deferred : std::launch::async;
+  std::future<CondensedStructure> structure =
+      std::async(policy, [&] { return condensed_structure<size>(*shape, options.threads); });
   report.start = start(graph, options);
   const double start_cost = is_robust(options) ? total_chi2<size>(graph, options.threads) : 0.0;
   const auto problem = make_condensed_problem<size>(graph, options.kernel, options.kernel_size);
   const MinimizerSummary summary =
-      minimize_condensed<size>(*problem, settings_of(options), options.threads);
+      minimize_condensed<size>(*problem, structure.get(), settings_of(options), options.threads);
   // Under a kernel, the cost of the minimisation is not that of the edges.
   const bool plain = options.kernel == RobustKernel::kNone;
   report.start_cost = plain ? summary.initial_cost : start_cost;
