@@ -20,6 +20,7 @@
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 
+#include "information_entries.hpp"
 #include "odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -124,18 +125,6 @@ Pose read_pose(Line& line, bool planar) {
 
 bool is_positive_definite(const Matrix6d& matrix) {
   return Eigen::LLT<Matrix6d>(matrix).info() == Eigen::Success;
-}
-
-/// Calls `visit` with the row and the column of each entry of the upper triangle of an information
-/// matrix that a file has, in its order.
-template <typename Visit>
-void visit_information(bool planar, const Visit& visit) {
-  const auto is_planar = [](int i) { return i < 2 || i == 5; };  // x, y, yaw
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      if (!planar || (is_planar(row) && is_planar(column))) visit(row, column);
-    }
-  }
 }
 
 Matrix6d read_information(Line& line, bool planar) {

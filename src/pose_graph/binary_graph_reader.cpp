@@ -1,35 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
-#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/pose_graph/graph_file.hpp"
 
+#include "binary_graph_format.hpp"
+#include "information_entries.hpp"
+
 namespace lidar_mapping::pose_graph {
 
 namespace {
 
-// The file consists of 64-bit words, little-endian; see doc/back_end.md.
-using Word = std::uint64_t;
+using namespace binary_graph;
 
-// "LMGRAPH" and a line feed, by the format: a transfer as text would change the last byte.
-constexpr Word kMagic = 0x0a48504152474d4c;
-constexpr Word kVersion = 1;  // by the format: of what follows the first two words
-// Words before the nodes, by the format: magic, version, dimensions, numbers of nodes and edges.
-constexpr std::size_t kHeaderWords = 5;
-// Words that are written at once. Chosen: half a megabyte costs few calls of the system.
-constexpr std::size_t kBufferWords = 65536;
 // Records that are read at once, and that one thread decodes at a time. Chosen: some megabytes keep
 // all cores busy and cost no memory that counts.
 constexpr std::size_t kBlockRecords = 32768;
@@ -37,45 +31,6 @@ constexpr std::size_t kRecordsAtATime = 2048;
 // By how much the length of a quaternion may differ from 1. Chosen: far above the rounding of
 // doubles, far below any error of a rotation that matters.
 constexpr double kQuaternionRounding = 1e-9;
-
-/// Numbers of a pose and of the upper triangle of its information, by the format.
-std::size_t pose_words(bool planar) { return planar ? 3 : 7; }
-std::size_t information_words(bool planar) { return planar ? 6 : 21; }
-std::size_t node_words(bool planar) { return 1 + pose_words(planar); }
-std::size_t edge_words(bool planar) { return 2 + pose_words(planar) + information_words(planar); }
-
-/// The word in the file's order of bytes, or back; nothing changes on most processors.
-Word little_endian(Word word) {
-  std::array<unsigned char, sizeof(Word)> bytes{};
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    bytes[i] = static_cast<unsigned char>(word >> (8 * i));
-  }
-  std::memcpy(&word, bytes.data(), sizeof word);
-  return word;
-}
-
-/// FNV-1a (Fowler, Noll and Vo) of words instead of bytes, which is eight times as fast.
-class Checksum {
- public:
-  void add(Word word) { value_ = (value_ ^ word) * kPrime; }
-  Word value() const { return value_; }
-
- private:
-  static constexpr Word kPrime = 0x100000001b3;  // by the definition of FNV-1a for 64 bits
-  Word value_ = 0xcbf29ce484222325;              // likewise
-};
-
-/// Calls `visit` with row and column of each entry of the upper triangle of an information matrix
-/// that the file has.
-template <typename Visit>
-void visit_information(bool planar, const Visit& visit) {
-  const auto is_planar = [](int i) { return i < 2 || i == 5; };  // x, y, yaw
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      if (!planar || (is_planar(row) && is_planar(column))) visit(row, column);
-    }
-  }
-}
 
 /// What is wrong with a file.
 class FileProblem {
@@ -270,71 +225,6 @@ void read_edges(WordReader& reader, const Header& header, PoseGraph& graph) {
   });
 }
 
-class WordWriter {
- public:
-  explicit WordWriter(std::ostream& stream) : stream_(stream) { buffer_.reserve(kBufferWords); }
-
-  void word(Word value) {
-    checksum_.add(value);
-    buffer_.push_back(little_endian(value));
-    if (buffer_.size() == kBufferWords) flush();
-  }
-  void integer(std::int64_t value) { word(static_cast<Word>(value)); }
-  void number(double value) {
-    Word bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    word(bits);
-  }
-  void finish() {
-    word(checksum_.value());
-    flush();
-  }
-
- private:
-  void flush() {
-    stream_.write(reinterpret_cast<const char*>(buffer_.data()),
-                  static_cast<std::streamsize>(buffer_.size() * sizeof(Word)));
-    buffer_.clear();
-  }
-
-  std::ostream& stream_;
-  std::vector<Word> buffer_;
-  Checksum checksum_;
-};
-
-void write_pose(WordWriter& writer, const Pose& pose, bool planar) {
-  for (int i = 0; i < (planar ? 2 : 3); ++i) writer.number(pose.translation[i]);
-  if (planar) {
-    writer.number(yaw_of(pose.rotation));
-    return;
-  }
-  for (int i = 0; i < 4; ++i) writer.number(pose.rotation.coeffs()[i]);
-}
-
-void write_words(const PoseGraph& graph, WordWriter& writer) {
-  writer.word(kMagic);
-  writer.word(kVersion);
-  writer.word(graph.planar ? 2 : 3);
-  writer.word(graph.nodes.size());
-  writer.word(graph.edges.size());
-  for (const PoseNode& node : graph.nodes) {
-    writer.integer(node.id);
-    write_pose(writer, node.pose, graph.planar);
-  }
-  for (const PoseEdge& edge : graph.edges) {
-    writer.integer(edge.from);
-    writer.integer(edge.to);
-    write_pose(writer, edge.T_from_to, graph.planar);
-    visit_information(graph.planar,
-                      [&](int row, int column) { writer.number(edge.information(row, column)); });
-  }
-  writer.finish();
-}
-
-bool is_binary(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".lmg";
-}
-
 }  // namespace
 
 PoseGraph read_binary_graph(const std::string& path) {
@@ -347,26 +237,6 @@ PoseGraph read_binary_graph(const std::string& path) {
   const Word expected = reader.checksum();
   if (reader.read(1)[0] != expected) reader.problem().fail("has a wrong checksum; copy it again");
   return graph;
-}
-
-void write_binary_graph(const PoseGraph& graph, const std::string& path) {
-  write_stream_atomically(path, [&](std::ostream& stream) {
-    WordWriter writer(stream);
-    write_words(graph, writer);
-  });
-}
-
-G2oFile read_graph(const std::string& path) {
-  if (is_binary(path)) return {read_binary_graph(path), {}};
-  return read_g2o(path);
-}
-
-void write_graph(const PoseGraph& graph, const std::string& path) {
-  if (is_binary(path)) {
-    write_binary_graph(graph, path);
-  } else {
-    write_g2o(graph, path);
-  }
 }
 
 }  // namespace lidar_mapping::pose_graph
