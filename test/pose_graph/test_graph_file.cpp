@@ -113,9 +113,9 @@ TEST_F(BinaryGraph, TheNameOfTheFileDecidesItsFormat) {
   EXPECT_EQ(text_of(read_graph(path("a.lmg")).graph), text_of(read_graph(path("a.g2o")).graph));
 }
 
-TEST_F(BinaryGraph, AMillionthOfAFileIsReadInParts) {
+TEST_F(BinaryGraph, LongFilesAreReadInParts) {
   PoseGraph graph = example(false);
-  for (int i = 0; i < 9000; ++i) {  // more words than are read at once
+  for (int i = 0; i < 33000; ++i) {  // more records than are read at once
     graph.nodes.push_back({100 + i, graph.nodes[1].pose});
     graph.edges.push_back({100 + i, 4, graph.nodes[2].pose, graph.edges[0].information});
   }
