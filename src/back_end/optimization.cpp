@@ -38,7 +38,7 @@ void chain_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
 /// constraint contradicts the result.
 bool solve_from_current(DriveFactors& factors, pose_graph::RobustSolution& solution) {
   solution = pose_graph::solve_selected(factors.graph, factors.selected,
-                                        {50, std::nullopt, kCostTolerance});
+                                        {50, std::nullopt, kCostTolerance, {}});
   return solution.success && pose_graph::consistent_constraints(factors.graph) == factors.selected;
 }
 

@@ -10,6 +10,7 @@
 #include <ceres/solver.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pose_graph/condensed_solver.hpp"
 
 #include "gauss_newton.hpp"
 #include "single_threaded_openmp.hpp"
@@ -190,6 +191,9 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used) {
 
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings) {
+  if (settings.solver.condensed) {
+    return minimize_condensed(graph, used, loss_of, settings, settings.solver.threads);
+  }
   const std::vector<StateBlock> before = graph.states;
   MinimizerSummary undamped;
   if (!settings.initial_radius) {

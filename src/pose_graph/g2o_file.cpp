@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iomanip>
 #include <istream>
 #include <map>
-#include <set>
 
 #include <Eigen/Cholesky>
 
@@ -18,6 +20,7 @@
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 
+#include "information_entries.hpp"
 #include "odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -26,6 +29,35 @@ namespace {
 
 // Chosen: differences of ids stay within their type, and no program counts that far.
 constexpr std::int64_t kLargestId = 1'000'000'000'000'000'000;
+
+/// Reads a number as strtod() does; `end` is where it ends, or `begin` if there is none. Most of
+/// the time of a large file is that of its numbers, and newer standard libraries read them faster.
+double parsed(const char* begin, [[maybe_unused]] const char* text_end, char** end) {
+#ifdef __cpp_lib_to_chars
+  const char* first = begin;
+  while (first != text_end && std::isspace(static_cast<unsigned char>(*first)) != 0) ++first;
+  double value = 0.0;
+  const auto result = std::from_chars(first, text_end, value);
+  if (result.ec == std::errc()) {
+    *end = const_cast<char*>(result.ptr);
+    return value;
+  }
+#endif
+  return std::strtod(begin, end);  // also a plus sign, and numbers that are too small for a double
+}
+
+/// Appends the fewest digits from which the same bits are read again.
+void append_number(std::string& line, double value) {
+  std::array<char, 32> digits{};
+  line += ' ';
+#ifdef __cpp_lib_to_chars
+  const auto result = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  line.append(digits.data(), result.ptr);
+#else
+  line.append(digits.data(), static_cast<std::size_t>(
+                                 std::snprintf(digits.data(), digits.size(), "%.17g", value)));
+#endif
+}
 
 /// Reads the words and numbers of one line.
 class Line {
@@ -42,7 +74,7 @@ class Line {
 
   double number() {
     char* end = nullptr;
-    const double value = std::strtod(rest_, &end);
+    const double value = parsed(rest_, text_.c_str() + text_.size(), &end);
     if (end == rest_ || !std::isfinite(value)) {
       fail("a finite number is missing; the line may be cut");
     }
@@ -95,18 +127,6 @@ bool is_positive_definite(const Matrix6d& matrix) {
   return Eigen::LLT<Matrix6d>(matrix).info() == Eigen::Success;
 }
 
-/// Calls `visit` with the row and the column of each entry of the upper triangle of an information
-/// matrix that a file has, in its order.
-template <typename Visit>
-void visit_information(bool planar, const Visit& visit) {
-  const auto is_planar = [](int i) { return i < 2 || i == 5; };  // x, y, yaw
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      if (!planar || (is_planar(row) && is_planar(column))) visit(row, column);
-    }
-  }
-}
-
 Matrix6d read_information(Line& line, bool planar) {
   Matrix6d information = Matrix6d::Identity();
   visit_information(planar, [&](int row, int column) {
@@ -135,6 +155,7 @@ class Reader {
   }
 
   G2oFile result() {
+    sort_vertices();
     if (file_.graph.edges.empty()) {
       throw FileError(name_ + " has no EDGE_SE3:QUAT or EDGE_SE2; nothing to optimise");
     }
@@ -153,10 +174,7 @@ class Reader {
   void add_vertex(Line& line, bool planar) {
     require_kind(line, planar);
     const std::int64_t id = line.id();
-    const Pose pose = read_pose(line, planar);
-    if (!vertices_.emplace(id, pose).second) {
-      line.fail("vertex " + std::to_string(id) + " is given twice; remove one line");
-    }
+    vertices_.push_back({{id, read_pose(line, planar)}, number_});
   }
 
   void add_edge(Line& line, bool planar) {
@@ -183,17 +201,55 @@ class Reader {
     ++repaired_;
   }
 
-  void create_nodes() {
-    std::set<std::int64_t> ids;
-    for (const PoseEdge& edge : file_.graph.edges) ids.insert({edge.from, edge.to});
-    for (const auto& [id, pose] : vertices_) ids.insert(id);
-    std::vector<bool> initialized;
-    for (const std::int64_t id : ids) {
-      const auto found = vertices_.find(id);
-      initialized.push_back(found != vertices_.end());
-      file_.graph.nodes.push_back({id, initialized.back() ? found->second : Pose::Identity()});
+  void sort_vertices() {
+    const auto by_id = [](const Vertex& a, const Vertex& b) { return a.node.id < b.node.id; };
+    if (!std::is_sorted(vertices_.begin(), vertices_.end(), by_id)) {
+      std::stable_sort(vertices_.begin(), vertices_.end(), by_id);
     }
-    missing_ = ids.size() - vertices_.size();
+    for (std::size_t i = 1; i < vertices_.size(); ++i) {
+      if (vertices_[i].node.id != vertices_[i - 1].node.id) continue;
+      throw FileError(name_ + ":" + std::to_string(vertices_[i].line) + ": vertex " +
+                      std::to_string(vertices_[i].node.id) + " is given twice; remove one line");
+    }
+  }
+
+  /// The ids that edges have but vertices do not, ascending.
+  std::vector<std::int64_t> missing_ids() const {
+    std::vector<std::int64_t> missing;
+    const auto add = [&](std::int64_t id) {
+      const auto found = std::lower_bound(
+          vertices_.begin(), vertices_.end(), id,
+          [](const Vertex& vertex, std::int64_t wanted) { return vertex.node.id < wanted; });
+      if (found == vertices_.end() || found->node.id != id) missing.push_back(id);
+    };
+    for (const PoseEdge& edge : file_.graph.edges) {
+      add(edge.from);
+      add(edge.to);
+    }
+    std::sort(missing.begin(), missing.end());
+    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+    return missing;
+  }
+
+  void create_nodes() {
+    const std::vector<std::int64_t> missing = missing_ids();
+    missing_ = missing.size();
+    std::vector<bool> initialized;
+    file_.graph.nodes.reserve(vertices_.size() + missing.size());
+    auto next_missing = missing.begin();
+    const auto add_missing_before = [&](const Vertex* vertex) {
+      while (next_missing != missing.end() && (!vertex || *next_missing < vertex->node.id)) {
+        file_.graph.nodes.push_back({*next_missing++, Pose::Identity()});
+        initialized.push_back(false);
+      }
+    };
+    for (const Vertex& vertex : vertices_) {
+      add_missing_before(&vertex);
+      file_.graph.nodes.push_back(vertex.node);
+      initialized.push_back(true);
+    }
+    add_missing_before(nullptr);
+    vertices_ = {};
     if (missing_ > 0) initialize_along_edges(file_.graph, initialized);
   }
 
@@ -218,19 +274,24 @@ class Reader {
   int number_ = 0;
   G2oFile file_;
   bool kind_known_ = false;
-  std::map<std::int64_t, Pose> vertices_;
+  /// A vertex and its line.
+  struct Vertex {
+    PoseNode node;
+    int line = 0;
+  };
+  std::vector<Vertex> vertices_;
   std::map<std::string, int> unknown_;
   std::size_t missing_ = 0;
   std::size_t repaired_ = 0;
 };
 
-void write_pose(std::ostream& out, const Pose& pose, bool planar) {
-  for (int i = 0; i < (planar ? 2 : 3); ++i) out << ' ' << pose.translation[i];
+void append_pose(std::string& line, const Pose& pose, bool planar) {
+  for (int i = 0; i < (planar ? 2 : 3); ++i) append_number(line, pose.translation[i]);
   if (planar) {
-    out << ' ' << yaw_of(pose.rotation);
+    append_number(line, yaw_of(pose.rotation));
     return;
   }
-  for (int i = 0; i < 4; ++i) out << ' ' << pose.rotation.coeffs()[i];
+  for (int i = 0; i < 4; ++i) append_number(line, pose.rotation.coeffs()[i]);
 }
 
 }  // namespace
@@ -248,18 +309,20 @@ G2oFile read_g2o(const std::string& path) {
 }
 
 void write_g2o(const PoseGraph& graph, std::ostream& out) {
-  out << std::setprecision(17);
+  std::string line;
   for (const PoseNode& node : graph.nodes) {
-    out << (graph.planar ? "VERTEX_SE2 " : "VERTEX_SE3:QUAT ") << node.id;
-    write_pose(out, node.pose, graph.planar);
-    out << '\n';
+    line = (graph.planar ? "VERTEX_SE2 " : "VERTEX_SE3:QUAT ") + std::to_string(node.id);
+    append_pose(line, node.pose, graph.planar);
+    out << line << '\n';
   }
   for (const PoseEdge& edge : graph.edges) {
-    out << (graph.planar ? "EDGE_SE2 " : "EDGE_SE3:QUAT ") << edge.from << ' ' << edge.to;
-    write_pose(out, edge.T_from_to, graph.planar);
-    visit_information(graph.planar,
-                      [&](int row, int column) { out << ' ' << edge.information(row, column); });
-    out << '\n';
+    line = (graph.planar ? "EDGE_SE2 " : "EDGE_SE3:QUAT ") + std::to_string(edge.from) + ' ' +
+           std::to_string(edge.to);
+    append_pose(line, edge.T_from_to, graph.planar);
+    visit_information(graph.planar, [&](int row, int column) {
+      append_number(line, edge.information(row, column));
+    });
+    out << line << '\n';
   }
 }
 

@@ -85,7 +85,11 @@ class SpanningTree {
 }  // namespace
 
 std::vector<std::pair<int, int>> edge_positions(const PoseGraph& graph) {
+  const std::int64_t first = graph.nodes.empty() ? 0 : graph.nodes.front().id;
+  const bool has_gaps = graph.nodes.empty() || graph.nodes.back().id - first + 1 !=
+                                                   static_cast<std::int64_t>(graph.nodes.size());
   const auto position = [&](std::int64_t id) {
+    if (!has_gaps) return static_cast<int>(id - first);
     const auto found = std::lower_bound(
         graph.nodes.begin(), graph.nodes.end(), id,
         [](const PoseNode& node, std::int64_t wanted) { return node.id < wanted; });

@@ -102,17 +102,20 @@ RobustSolution solve_selected(FactorGraph& graph, std::vector<bool> used,
 namespace {
 
 /// One run of both stages and of the rounds after them, from the current states.
-RobustSolution run_graduated(FactorGraph& graph, double other_weight) {
+RobustSolution run_graduated(FactorGraph& graph, double other_weight, const LinearSolver& solver) {
   Kernels kernels;
   ceres::ScaledLoss other_loss(nullptr, other_weight, ceres::TAKE_OWNERSHIP);
   const std::vector<bool> all(graph.constraints.size(), true);
   int iterations =
-      minimize(graph, all, cauchy_stage_losses(kernels, &other_loss), {60, 1e4, 1e-5}).iterations;
-  iterations += minimize(graph, all, dcs_stage_losses(kernels), {60, 1e6, 1e-5}).iterations;
+      minimize(graph, all, cauchy_stage_losses(kernels, &other_loss), {60, 1e4, 1e-5, solver})
+          .iterations;
+  iterations += minimize(graph, all, dcs_stage_losses(kernels), {60, 1e6, 1e-5, solver}).iterations;
+  MinimizerSettings settings;
+  settings.solver = solver;
   RobustSolution solution;
   std::vector<bool> used = consistent_constraints(graph);
   for (int round = 0; round < kMaxRounds; ++round) {
-    solution = solve_selected(graph, used);
+    solution = solve_selected(graph, used, settings);
     iterations += solution.iterations;
     used = consistent_constraints(graph);
     if (used == solution.used) break;
@@ -132,13 +135,13 @@ std::ptrdiff_t refused_count(const RobustSolution& solution) {
 
 }  // namespace
 
-RobustSolution solve_graduated(FactorGraph& graph) {
+RobustSolution solve_graduated(FactorGraph& graph, const LinearSolver& solver) {
   const std::vector<StateBlock> start = graph.states;
   std::vector<StateBlock> best_states = start;
   RobustSolution best;
   for (const double weight : kFixedConstraintWeights) {
     graph.states = start;
-    RobustSolution solution = run_graduated(graph, weight);
+    RobustSolution solution = run_graduated(graph, weight, solver);
     if (!best.success || (solution.success && refused_count(solution) < refused_count(best))) {
       best = std::move(solution);
       best_states = graph.states;

@@ -19,6 +19,7 @@
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
+#include "lidar_mapping/pose_graph/graph_file.hpp"
 #include "lidar_mapping/ros/nmea_sentence.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -475,6 +476,10 @@ void write_pcd(const fs::path& path, const std::string& data, bool times) {
 
 void write_g2o(const fs::path& path, bool planar) {
   pose_graph::write_g2o(circle(planar), path.string());
+}
+
+void write_binary_graph(const fs::path& path, bool planar) {
+  pose_graph::write_binary_graph(circle(planar), path.string());
 }
 
 void write_trajectory(const fs::path& path, bool kitti) {

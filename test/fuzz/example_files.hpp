@@ -42,6 +42,7 @@ void write_kitti_odometry(const std::filesystem::path& folder);
 /// A point cloud; `data` is ascii, binary or binary_compressed. With `times` the points have them.
 void write_pcd(const std::filesystem::path& path, const std::string& data, bool times);
 void write_g2o(const std::filesystem::path& path, bool planar);
+void write_binary_graph(const std::filesystem::path& path, bool planar);
 /// TUM's lines, or KITTI's.
 void write_trajectory(const std::filesystem::path& path, bool kitti);
 /// doubt.csv of a session.

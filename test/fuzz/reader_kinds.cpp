@@ -15,6 +15,7 @@
 #include "lidar_mapping/pipeline/folder_input.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
+#include "lidar_mapping/pose_graph/graph_file.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/session.hpp"
@@ -175,6 +176,15 @@ Kind g2o(bool planar) {
           [](const fs::path& folder) {
             const auto file = pose_graph::read_g2o(folder / "a.g2o");
             for (const auto& node : file.graph.nodes) require(is_finite(node.pose), "a vertex");
+          }};
+}
+
+Kind binary_graph(bool planar) {
+  return {planar ? "lmg_planar" : "lmg",
+          [=](const fs::path& folder) { write_binary_graph(folder / "a.lmg", planar); },
+          [](const fs::path& folder) {
+            const auto graph = pose_graph::read_binary_graph(folder / "a.lmg");
+            for (const auto& node : graph.nodes) require(is_finite(node.pose), "a vertex");
           }};
 }
 
@@ -401,6 +411,8 @@ std::vector<Kind> kinds() {
           parameters(),
           g2o(false),
           g2o(true),
+          binary_graph(false),
+          binary_graph(true),
           trajectory(false),
           trajectory(true),
           loop_list(),

@@ -139,6 +139,24 @@ TEST_F(OptimizeGraph, AcceptsAllKernelNamesInUpperOrLowerCase) {
   }
 }
 
+TEST_F(OptimizeGraph, BothMethodsAndBothFormatsLeadToTheSameCost) {
+  write("in.g2o", kSquare);
+  const std::string figures_option = " --tolerance 1e-12 --json " + file("figures.json");
+  ASSERT_EQ(run(file("in.g2o") + " " + file("flat.lmg") + figures_option), 0) << text("output");
+  EXPECT_EQ(figures().at("method"), "flat");
+  const double cost = figures().at("final_cost");
+  ASSERT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --method Condensed --threads 1" +
+                figures_option),
+            0)
+      << text("output");
+  EXPECT_EQ(figures().at("method"), "condensed");
+  EXPECT_NEAR(figures().at("final_cost"), cost, 1e-6 * cost);
+  ASSERT_EQ(run(file("flat.lmg") + " " + file("again.lmg") + figures_option), 0) << text("output");
+  EXPECT_NEAR(figures().at("initial_cost"), cost, 1e-9 * cost);
+  EXPECT_NE(run(file("in.g2o") + " " + file("out.g2o") + " --method dense"), 0);
+  EXPECT_NE(text("output").find("condensed"), std::string::npos) << text("output");
+}
+
 TEST_F(OptimizeGraph, ReportsRepairs) {
   write("in.g2o", "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 5 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
   EXPECT_EQ(run(file("in.g2o") + " " + file("out.g2o")), 0);
@@ -154,6 +172,9 @@ TEST_F(OptimizeGraph, RefusesInvalidInput) {
   write("bad.g2o", "EDGE_SE2 0 1 1 0\n");
   EXPECT_NE(run(file("bad.g2o") + " " + file("out.g2o")), 0);
   EXPECT_FALSE(std::filesystem::exists(file("out.g2o")));
+  write("text.lmg", kSquare);
+  EXPECT_NE(run(file("text.lmg") + " " + file("out.lmg")), 0);
+  EXPECT_NE(text("output").find("is no binary pose graph"), std::string::npos) << text("output");
 }
 
 }  // namespace

@@ -58,6 +58,13 @@ double chi2(const FactorGraph& graph, const Constraint& constraint);
 /// Sum of chi2() over the constraints with `used` true, as g2o reports it.
 double total_chi2(const FactorGraph& graph, const std::vector<bool>& used);
 
+/// How the normal equations of a minimisation are solved.
+struct LinearSolver {
+  /// Piece by piece, as minimize_condensed() does it, instead of in one factorisation.
+  bool condensed = false;
+  int threads = 0;  ///< of the condensed solver; 0: all cores. The result does not depend on it
+};
+
 /// Settings of a minimisation. With the defaults, Gauss-Newton steps are tried first and damped
 /// steps only if these fail.
 struct MinimizerSettings {
@@ -68,6 +75,7 @@ struct MinimizerSettings {
   /// The minimisation ends if the next steps are expected to lower the cost by less than this
   /// fraction.
   double tolerance = 1e-7;
+  LinearSolver solver;  ///< how each step is computed
 };
 
 /// Result of a minimisation.
@@ -86,7 +94,8 @@ using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
 /// Minimises the cost of the constraints with `used` true and updates the states. Gauss-Newton
 /// steps (gauss_newton.hpp) are used unless the settings give a trust region. If these fail, or
 /// with a trust region, Ceres solves by Levenberg-Marquardt (Nocedal & Wright 2006). Both use a
-/// sparse Cholesky factorisation.
+/// sparse Cholesky factorisation. With `settings.solver.condensed`, minimize_condensed() does it
+/// all.
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings);
 

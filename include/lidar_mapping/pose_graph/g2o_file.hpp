@@ -23,7 +23,7 @@ G2oFile read_g2o(const std::string& path);
 /// Reads from a stream; `name` stands for the file in messages.
 G2oFile read_g2o(std::istream& stream, const std::string& name);
 
-/// Writes a graph to a file with 17 significant digits, so that the same bits are read again. The
+/// Writes a graph to a file with as many digits as it takes for the same bits to be read again. The
 /// file appears only when it is complete. Throws FileError.
 void write_g2o(const PoseGraph& graph, const std::string& path);
 /// Writes a graph to a stream in the same format.

@@ -9,6 +9,13 @@
 
 namespace lidar_mapping::pose_graph {
 
+/// How the normal equations of a pose graph are solved. Both ways lead to the same minimum.
+enum class GraphMethod {
+  kAutomatic,  ///< condensed for large graphs, flat for others
+  kFlat,       ///< one sparse Cholesky factorisation of all nodes
+  kCondensed   ///< piece by piece, see minimize_condensed(): less memory, several threads
+};
+
 /// How a pose graph from a file is solved.
 struct GraphOptions {
   /// Kernel of the loops, which are the edges between ids that do not differ by 1. kNone is least
@@ -20,6 +27,8 @@ struct GraphOptions {
   /// The solver ends if the next steps are expected to lower the cost by less than this fraction.
   /// It has no effect with `graduated`, which has fixed tolerances.
   double tolerance = 5e-4;
+  GraphMethod method = GraphMethod::kAutomatic;  ///< how the equations are solved
+  int threads = 0;  ///< of the condensed method; 0: all cores. The result does not depend on it
 };
 
 /// The result of optimize() in figures.
@@ -29,6 +38,7 @@ struct GraphReport {
   double final_cost = 0.0;           ///< chi2 of the used edges at the solution
   int iterations = 0;                ///< number of steps
   bool success = false;              ///< false if the solver failed
+  std::string method;                ///< flat or condensed
   std::string start;                 ///< source of the start values: chordal, file or odometry
   std::vector<std::size_t> refused;  ///< numbers of the edges that the others contradict
   std::string message;               ///< why the solver ended

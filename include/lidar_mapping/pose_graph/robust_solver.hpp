@@ -25,8 +25,8 @@ RobustSolution solve_selected(FactorGraph& graph, std::vector<bool> used,
 /// covariance scaling. Then those above twice chi2_limit() are refused and the others are solved
 /// under their own kernels; this is repeated, and a refused constraint may be used again. The start
 /// states must follow the constraints that are not switchable (the odometry chain), because the
-/// switchable ones are compared with these.
-RobustSolution solve_graduated(FactorGraph& graph);
+/// switchable ones are compared with these. `solver` computes all steps.
+RobustSolution solve_graduated(FactorGraph& graph, const LinearSolver& solver = {});
 
 /// For each constraint: true if it is not switchable, or if its chi2() at the current states is
 /// below twice chi2_limit().
