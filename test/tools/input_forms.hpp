@@ -35,7 +35,7 @@ class InputForms : public ::testing::Test {
     static const TemporaryFolder folder;
     static const std::string bag = [] {
       const std::string path = folder.path() / "drive.bag";
-      Program simulation("simulate_drive", {path, "--lidar", "vlp16", "--duration", "6"},
+      Program simulation("simulate_drive", {path, "--lidar", "vlp16", "--duration", "8"},
                          folder.path() / "log");
       EXPECT_EQ(simulation.wait(), 0) << simulation.output();
       return path;
