@@ -82,7 +82,8 @@ std::vector<Place> places_on_ground(const std::vector<OpenCell>& ground, double 
     if (spaced.add(ground[i].p_map)) taken.push_back(ground[i]);
   }
   std::vector<Place> places;
-  for (const OpenCell& cell : in_walking_order(std::move(taken))) {
+  const auto walk = in_walking_order(std::move(taken));
+  for (const OpenCell& cell : walk) {
     Place place;
     place.stamp = second(places.size() + 1);
     place.T_map_base.rotation =
