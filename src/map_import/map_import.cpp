@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/geodetic.hpp"
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/text.hpp"
 

@@ -2,10 +2,10 @@
 #include "map_input.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/geodetic.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/config/value.hpp"
 
@@ -107,12 +107,6 @@ std::vector<fs::path> map_files(const fs::path& map) {
   const std::string extension = lower_case(map.extension().string());
   if (extension != ".las" && extension != ".laz") return {map};
   throw FileError(map.string() + " is a LAS file, which is not read; make a PCD file of it first");
-}
-
-bool is_place(const GeodeticDatum& datum) {
-  constexpr double kHighest = 1e5;  // m; chosen: far above any mountain
-  return std::abs(datum.latitude_deg) <= 90.0 && std::abs(datum.longitude_deg) <= 360.0 &&
-         std::abs(datum.altitude_m) <= kHighest;
 }
 
 std::optional<GeodeticDatum> datum_beside(const fs::path& map) {

@@ -32,9 +32,6 @@ std::vector<std::filesystem::path> map_files(const std::filesystem::path& map);
 /// 4 bytes cannot hold the coordinates.
 void read_points(const std::filesystem::path& file, const MapPointSink& sink);
 
-/// Whether latitude, longitude (degrees) and height (m) are those of a place on Earth.
-bool is_place(const GeodeticDatum& datum);
-
 /// The datum that a file beside the map names: NAME.yaml of a map that build_map wrote in
 /// East-North-Up, or Autoware's map_projector_info.yaml with a LocalCartesian projector. None
 /// without such a file, or if it cannot be understood.

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/geodetic.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/text.hpp"
@@ -193,9 +194,8 @@ std::optional<GeodeticDatum> read_datum(const fs::path& path) {
   for (double* value : {&datum.latitude_deg, &datum.longitude_deg, &datum.altitude_m}) {
     *value = words.number();
   }
-  const bool is_valid = std::abs(datum.latitude_deg) <= 90.0 &&
-                        std::abs(datum.longitude_deg) <= 360.0 && std::abs(datum.altitude_m) < 1e5;
-  if (!is_valid) words.fail("latitude and longitude (degrees) and altitude (m) are no place");
+  if (!is_place(datum))
+    words.fail("latitude and longitude (degrees) and altitude (m) are no place");
   return datum;
 }
 

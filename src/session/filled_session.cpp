@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <unistd.h>
 
-#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 #include "session_folder.hpp"
@@ -38,9 +38,7 @@ Session create_aside(const fs::path& temporary, const std::function<void(Session
 
 Session create_filled(const fs::path& directory, const std::function<void(Session&)>& fill) {
   const fs::path target = fs::absolute(directory).lexically_normal();
-  if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target))) {
-    throw FileError(directory.string() + " exists and is no empty folder; name a new one");
-  }
+  check_new_folder(target);
   const fs::path destination = target.has_filename() ? target : target.parent_path();
   const fs::path temporary =
       destination.parent_path() / ("." + destination.filename().string() + ".part");

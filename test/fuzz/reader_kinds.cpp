@@ -9,6 +9,7 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/geodetic.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
@@ -271,7 +272,7 @@ void write_map(const fs::path& folder) {
 Kind map_to_import() {
   return {"map_to_import", write_map, [](const fs::path& folder) {
             if (const auto datum = map_import::datum_beside(folder)) {
-              require(map_import::is_place(*datum), "a datum");
+              require(is_place(*datum), "a datum");
             }
             for (const fs::path& file : map_import::map_files(folder)) {
               map_import::read_points(file, [](const std::vector<map_import::MapPoint>& points) {

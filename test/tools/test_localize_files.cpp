@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "examined_drive.hpp"

@@ -9,6 +9,9 @@
 
 namespace lidar_mapping {
 
+/// Whether latitude, longitude (degrees) and height (m) are those of a place on Earth.
+bool is_place(const GeodeticDatum& datum);
+
 /// WGS 84 longitude and latitude in degrees and height above the ellipsoid in m, in this order, of
 /// points in East-North-Up about the datum (m).
 std::vector<Eigen::Vector3d> geodetic_positions(const GeodeticDatum& datum,

@@ -3,6 +3,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/pipeline/extension_lines.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
@@ -22,9 +23,7 @@ namespace fs = std::filesystem;
 fs::path new_session_folder(const std::string& path) {
   if (path.empty()) throw InputError("path is empty; name the folder of the new session");
   fs::path folder = expanded_path(path);
-  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
-    throw FileError(folder.string() + " exists and is no empty folder; name a new one");
-  }
+  check_new_folder(folder);
   return folder;
 }
 

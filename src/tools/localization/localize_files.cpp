@@ -4,6 +4,7 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/geodetic.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/common/units.hpp"
@@ -82,12 +83,6 @@ Trajectory by_odometry(const std::vector<LocalizedScan>& scans) {
 }
 
 }  // namespace
-
-void check_new_folder(const fs::path& folder) {
-  if (!fs::exists(folder)) return;
-  if (fs::is_directory(folder) && fs::is_empty(folder)) return;
-  throw FileError(folder.string() + " exists and is no empty folder; name a new one");
-}
 
 void check_session_folder(const fs::path& session, const fs::path& results) {
   check_new_folder(session);

@@ -12,11 +12,8 @@
 
 namespace lidar_mapping::tools {
 
-/// Throws FileError if the folder for the results exists and is not empty.
-void check_new_folder(const std::filesystem::path& folder);
-
-/// The same for the folder of a new session. Throws FileError, too, if the folder for the results
-/// is the same or lies in it.
+/// check_new_folder() for a new session. Throws FileError, too, if the folder for the results is
+/// the same or lies in it.
 void check_session_folder(const std::filesystem::path& session,
                           const std::filesystem::path& results);
 

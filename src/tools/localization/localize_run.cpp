@@ -8,6 +8,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/pipeline/map_extender.hpp"
