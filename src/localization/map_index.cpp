@@ -13,10 +13,6 @@ namespace lidar_mapping::localization {
 
 namespace {
 
-/// Fine voxels for which there is room at first, for each key frame; doubled until all fit. Chosen:
-/// a street has about 250 for each key frame, two metres apart.
-constexpr std::size_t kVoxelsPerPlace = 500;
-constexpr std::size_t kLeastVoxels = std::size_t{1} << 15;
 /// Clouds that are read together. Chosen: 20 MB of them.
 constexpr std::size_t kBatch = 16;
 
@@ -54,16 +50,11 @@ void for_each_cloud(const std::vector<KeyFrame>& key_frames, CloudSource& clouds
   }
 }
 
-MapSurfaces made_surfaces(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
-                          CloudSource& clouds, int threads) {
-  std::size_t room = std::max(kLeastVoxels, kVoxelsPerPlace * map.poses.size());
-  for (;; room *= 2) {
-    MapSurfaces surfaces(room);
-    for_each_cloud(map.key_frames, clouds, threads, [&](std::size_t i, const PointCloudPtr& cloud) {
-      if (cloud) surfaces.insert(*cloud, map.poses[i], p_base_lidar);
-    });
-    if (!surfaces.is_overfull()) return surfaces;
-  }
+void add_surfaces(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
+                  CloudSource& clouds, int threads, MapSurfaces& surfaces) {
+  for_each_cloud(map.key_frames, clouds, threads, [&](std::size_t i, const PointCloudPtr& cloud) {
+    if (cloud) surfaces.insert(*cloud, map.poses[i], p_base_lidar);
+  });
 }
 
 void add_appearances(const PlacedKeyFrames& map, CloudSource& clouds, int threads,
@@ -78,15 +69,16 @@ void add_appearances(const PlacedKeyFrames& map, CloudSource& clouds, int thread
 
 MapIndex::MapIndex(const MapSource& source, CloudSource& clouds,
                    const loop_closing::LoopClosingConfig& verification,
-                   const std::filesystem::path& directory, int threads) {
+                   const std::filesystem::path& directory, int threads, std::size_t most_slots) {
   const PlacedKeyFrames map = placed(source);
   if (map.poses.empty()) {
     throw InputError("the map has no key frame with a pose; map a drive first (map_bag)");
   }
   // Made in place, because a verifier cannot be moved.
-  parts_.reset(new MapParts{made_surfaces(map, source.p_base_lidar, clouds, threads),
+  parts_.reset(new MapParts{MapSurfaces(most_slots, directory),
                             PlaceSearch(verification, clouds, map.key_frames, map.poses,
                                         source.p_base_lidar, directory)});
+  add_surfaces(map, source.p_base_lidar, clouds, threads, parts_->surfaces);
   add_appearances(map, clouds, threads, parts_->places);
   if (gaussians() > 0) return;
   throw InputError("none of the map's clouds can be read; look for its folder key_frames");
@@ -97,7 +89,7 @@ MapIndex::MapIndex(MapIndex&&) noexcept = default;
 MapIndex& MapIndex::operator=(MapIndex&&) noexcept = default;
 
 const std::vector<Pose>& MapIndex::places() const { return parts_->places.places(); }
-std::size_t MapIndex::gaussians() const { return parts_->surfaces.fine().size(); }
+std::size_t MapIndex::gaussians() const { return parts_->surfaces.gaussians(); }
 std::size_t MapIndex::bytes() const { return parts_->surfaces.bytes(); }
 
 }  // namespace lidar_mapping::localization

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_matcher.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Cholesky>
 
 namespace lidar_mapping::localization {
@@ -21,6 +23,14 @@ constexpr double kNoTwist = 1e12;
 constexpr double kCoarsePriorWeight = 0.01;
 /// Iterations of a fine match. Chosen: matches that converge do so in 5 to 12.
 constexpr int kMaxIterations = 20;
+
+/// m beyond the range of the points in which the map has to be in memory. Chosen: four times the
+/// standard deviation with which a place is given up (localizer.cpp); no match is known that went
+/// as far.
+constexpr double kReach = 20.0;
+/// The same for a match that goes further: it is repeated with more of the map. Chosen: what has
+/// gone so far astray is a wrong pose, whatever else it finds there.
+constexpr double kGreatestReach = 160.0;
 
 /// Points above the ground from which on these alone are judged. Chosen: a tree has as many; with
 /// fewer, in a field, the ground has to do.
@@ -49,6 +59,13 @@ NdtOptions fine_options() {
   return options;
 }
 
+/// Has the map around a pose in memory, as far as the points see and `reach` metres more.
+void require_around(const Pose& T_map_base, const ScanPoints& points, double reach,
+                    MapSurfaces& map) {
+  const Eigen::Vector3f p_base_lidar = points.all.viewpoint().value_or(Eigen::Vector3f::Zero());
+  map.require(T_map_base.translation, kMaxRange + p_base_lidar.norm() + reach);
+}
+
 bool is_uncertain(const PoseEstimate& predicted) {
   return predicted.covariance.diagonal().head<3>().maxCoeff() > kFineReach * kFineReach;
 }
@@ -57,16 +74,13 @@ bool is_uncertain(const PoseEstimate& predicted) {
 
 MapMatch MapMatcher::match(const ScanPoints& points, MapSurfaces& map,
                            const PoseEstimate& predicted) {
-  map.set_center(predicted.T_map_base.translation);
-  registration::MotionState start{predicted.T_map_base};
-  if (is_uncertain(predicted)) {
-    start = matcher_
-                .match(points.all, map.coarse(), belief_of(predicted, kCoarsePriorWeight), start,
-                       coarse_options())
-                .state;
+  Alignment alignment;
+  for (double reach = kReach; reach <= kGreatestReach; reach *= 2.0) {
+    require_around(predicted.T_map_base, points, reach, map);
+    alignment = aligned(points, map, predicted);
+    if (alignment.excursion <= reach) break;
   }
-  const NdtMatch found =
-      matcher_.match(points.all, map.fine(), belief_of(predicted, 1.0), start, fine_options());
+  const NdtMatch& found = alignment.match;
   MapMatch match;
   match.converged = found.converged;
   match.estimate.T_map_base = found.state.T_map_sensor;
@@ -76,11 +90,27 @@ MapMatch MapMatcher::match(const ScanPoints& points, MapSurfaces& map,
   return match;
 }
 
+MapMatcher::Alignment MapMatcher::aligned(const ScanPoints& points, MapSurfaces& map,
+                                          const PoseEstimate& predicted) {
+  registration::MotionState start{predicted.T_map_base};
+  double excursion = 0.0;
+  if (is_uncertain(predicted)) {
+    const NdtMatch coarse =
+        matcher_.match(points.all, map.coarse(), belief_of(predicted, kCoarsePriorWeight), start,
+                       coarse_options());
+    start = coarse.state;
+    excursion = coarse.excursion;
+  }
+  const NdtMatch found =
+      matcher_.match(points.all, map.fine(), belief_of(predicted, 1.0), start, fine_options());
+  return {found, excursion + found.excursion};
+}
+
 /// The points have no times, so they are one slice, with its filling behind them.
 std::vector<MatchedPoint> MapMatcher::weighted(const ScanPoints& points, MapSurfaces& map,
                                                const Pose& T_map_base) {
   static_assert(registration::kNoPlane == kNotInMap);
-  map.set_center(T_map_base.translation);
+  require_around(T_map_base, points, kReach, map);
   const registration::NdtPoints& all = points.all;
   const std::vector<float> weights =
       matcher_.weights(all, map.fine(), registration::MotionState{T_map_base}, fine_options());

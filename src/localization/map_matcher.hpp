@@ -38,13 +38,20 @@ struct MapMatch {
 class MapMatcher {
  public:
   /// The best pose near the prediction, which counts with its covariance. Where the prediction is
-  /// uncertain by more than the fine voxels attract, the coarse ones are matched first.
+  /// uncertain by more than the fine voxels attract, the coarse ones are matched first. Throws
+  /// FileError.
   MapMatch match(const ScanPoints& points, MapSurfaces& map, const PoseEstimate& predicted);
-  /// The points that match() aligns, with their weights at a pose.
+  /// The points that match() aligns, with their weights at a pose. Throws FileError.
   std::vector<MatchedPoint> weighted(const ScanPoints& points, MapSurfaces& map,
                                      const Pose& T_map_base);
 
  private:
+  /// Where a search for the pose ended, and how far from the prediction it was on the way, m.
+  struct Alignment {
+    registration::NdtMatch match;
+    double excursion = 0.0;
+  };
+  Alignment aligned(const ScanPoints& points, MapSurfaces& map, const PoseEstimate& predicted);
   Agreement agreement_at(const Pose& T_map_base, const ScanPoints& points, MapSurfaces& map);
 
   registration::NdtMatcher matcher_;

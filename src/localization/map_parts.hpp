@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::localization {
 
-/// What a MapIndex holds.
+/// What a MapIndex holds. Of its surfaces and appearances, most may lie in files.
 class MapParts {
  public:
   MapSurfaces surfaces;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_surfaces.hpp"
 
-#include <algorithm>
 #include <vector>
 
 namespace lidar_mapping::localization {
@@ -15,11 +14,31 @@ constexpr int kCoarseFactor = 3;
 /// Share of the fine voxels for which the coarse table has room. Chosen: a surface has a ninth.
 constexpr std::size_t kCoarseShare = 4;
 
-/// Memory of a table, which has a power of two of slots.
-std::size_t table_bytes(std::size_t capacity) {
-  std::size_t slots = 1;
-  while (slots < capacity) slots *= 2;
-  return slots * sizeof(registration::VoxelSums);
+/// Slots of an empty fine table, 2 MB. Chosen: enough for a yard.
+constexpr std::size_t kFirstSlots = std::size_t{1} << 15;
+/// Edge of a tile in coarse voxels: 48 m. Chosen: some forty tiles reach as far as a match looks,
+/// and a vehicle enters new ones every few seconds.
+constexpr int kTileEdge = 16;
+/// m beyond kMaxRange, because the position of the LiDAR is rounded to floats. Chosen: far more.
+constexpr double kRounding = 1.0;
+
+SurfaceTiles::Options fine_options(std::size_t most_slots) {
+  SurfaceTiles::Options options;
+  options.voxel_edge = kFineEdge;
+  options.tile_edge = kCoarseFactor * kTileEdge;
+  options.first_slots = kFirstSlots;
+  options.most_slots = most_slots;
+  return options;
+}
+
+SurfaceTiles::Options coarse_options(std::size_t most_slots) {
+  SurfaceTiles::Options options;
+  options.voxel_edge = kCoarseFactor * kFineEdge;
+  options.model = registration::PlaneModel::coarse();
+  options.tile_edge = kTileEdge;
+  options.first_slots = kFirstSlots / kCoarseShare;
+  options.most_slots = most_slots / kCoarseShare;
+  return options;
 }
 
 /// Coordinates of points in arrays of their own, relative to the map's origin.
@@ -45,30 +64,37 @@ Coordinates near_points(const PointCloud& cloud, const Pose& T_origin_base,
 
 }  // namespace
 
-MapSurfaces::MapSurfaces(std::size_t capacity)
-    : bytes_(table_bytes(capacity) + table_bytes(capacity / kCoarseShare)),
-      fine_(kFineEdge, capacity),
-      coarse_(kCoarseFactor * kFineEdge, capacity / kCoarseShare,
-              registration::PlaneModel::coarse()) {}
+MapSurfaces::MapSurfaces(std::size_t most_slots, const std::filesystem::path& directory)
+    : fine_(fine_options(most_slots), directory), coarse_(coarse_options(most_slots), directory) {}
 
 void MapSurfaces::insert(const PointCloud& cloud, const Pose& T_map_base,
                          const Eigen::Vector3d& p_base_lidar) {
   set_center(T_map_base.translation);
   Pose T_origin_base = T_map_base;
-  T_origin_base.translation -= fine_.origin();
+  T_origin_base.translation -= fine().origin();
   const Coordinates points = near_points(cloud, T_origin_base, p_base_lidar.cast<float>());
   const Eigen::Vector3f viewpoint = (T_origin_base * p_base_lidar).cast<float>();
-  fine_.insert(points.x.data(), points.y.data(), points.z.data(), points.x.size(), viewpoint);
+  const Eigen::Vector3d p_map_lidar = T_map_base * p_base_lidar;
+  constexpr double kReach = kMaxRange + kRounding;
+  fine_.insert(p_map_lidar, kReach, points.x.data(), points.y.data(), points.z.data(),
+               points.x.size(), viewpoint);
   // Else the floor of a storey and the ceiling below it would be one surface in the middle.
-  fine_.update_planes(points.x.data(), points.y.data(), points.z.data(), points.x.size(),
-                      viewpoint);
-  coarse_.insert(points.x.data(), points.y.data(), points.z.data(), points.x.size());
+  fine().update_planes(points.x.data(), points.y.data(), points.z.data(), points.x.size(),
+                       viewpoint);
+  coarse_.insert(p_map_lidar, kReach, points.x.data(), points.y.data(), points.z.data(),
+                 points.x.size());
+}
+
+void MapSurfaces::require(const Eigen::Vector3d& position, double radius) {
+  set_center(position);
+  fine_.require(position, radius);
+  coarse_.require(position, radius);
 }
 
 void MapSurfaces::set_center(const Eigen::Vector3d& position) {
-  const VoxelIndex cell = voxel_index(position / coarse_.resolution());
-  coarse_.set_origin_cell(cell);
-  fine_.set_origin_cell(kCoarseFactor * cell);
+  const VoxelIndex cell = voxel_index(position / coarse().resolution());
+  coarse().set_origin_cell(cell);
+  fine().set_origin_cell(kCoarseFactor * cell);
 }
 
 }  // namespace lidar_mapping::localization

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+
 #include "lidar_mapping/common/point_cloud.hpp"
-#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+#include "lidar_mapping/localization/map_index.hpp"
+
+#include "surface_tiles.hpp"
 
 namespace lidar_mapping::localization {
 
@@ -11,29 +15,35 @@ namespace lidar_mapping::localization {
 constexpr float kMaxRange = 80.0F;
 
 /// The surfaces of a whole map as Gaussians in voxels: fine ones for matching, and coarse ones that
-/// attract from further away.
+/// attract from further away. In memory are those around the place that is looked at, and as many
+/// others as the tables have room for. Throws FileError.
 class MapSurfaces {
  public:
-  /// Room for so many voxels.
-  explicit MapSurfaces(std::size_t capacity);
+  /// The fine table has at most `most_slots` slots, as MapIndex::kMostSlots, and the coarse one a
+  /// quarter of them. What has no room waits in files without a name in `directory`.
+  explicit MapSurfaces(
+      std::size_t most_slots = MapIndex::kMostSlots,
+      const std::filesystem::path& directory = std::filesystem::temp_directory_path());
 
   /// Adds a cloud in base_link, measured from `p_base_lidar` (m).
   void insert(const PointCloud& cloud, const Pose& T_map_base, const Eigen::Vector3d& p_base_lidar);
-  /// The room was too small: some points are missing.
-  bool is_overfull() const { return fine_.dropped_points() + coarse_.dropped_points() > 0; }
 
-  /// Moves the origins near to a position (m), so that floats around it are exact.
-  void set_center(const Eigen::Vector3d& position);
-  registration::GaussianVoxelMap& fine() { return fine_; }
-  registration::GaussianVoxelMap& coarse() { return coarse_; }
-  const registration::GaussianVoxelMap& fine() const { return fine_; }
+  /// Prepares for matches around a position: has all surfaces within `radius` (m, along x and y) in
+  /// memory, and moves the origins to it, so that floats around it are exact. Whoever uses fine()
+  /// or coarse() calls this first.
+  void require(const Eigen::Vector3d& position, double radius);
+  registration::GaussianVoxelMap& fine() { return fine_.voxels(); }
+  registration::GaussianVoxelMap& coarse() { return coarse_.voxels(); }
+  /// Number of fine Gaussians of the whole map.
+  std::size_t gaussians() const { return fine_.size(); }
   /// Memory of the tables, bytes.
-  std::size_t bytes() const { return bytes_; }
+  std::size_t bytes() const { return fine_.bytes() + coarse_.bytes(); }
 
  private:
-  std::size_t bytes_;
-  registration::GaussianVoxelMap fine_;
-  registration::GaussianVoxelMap coarse_;
+  void set_center(const Eigen::Vector3d& position);
+
+  SurfaceTiles fine_;
+  SurfaceTiles coarse_;
 };
 
 }  // namespace lidar_mapping::localization

@@ -104,6 +104,11 @@ void marginalise_out(const std::vector<Eigen::Vector3d>& directions, NormalEquat
   sum.hessian -= along * marginal * along.transpose();
 }
 
+/// Between two positions, m.
+double distance(const MotionState& a, const MotionState& b) {
+  return (b.T_map_sensor.translation - a.T_map_sensor.translation).norm();
+}
+
 void write_figures(const FitSums& sum, std::size_t points, NdtMatch& match) {
   const double count = std::max<double>(1.0, static_cast<double>(points));
   match.quality = sum.weight / count;
@@ -157,6 +162,7 @@ class NdtMatcher::Impl {
       const Vector12d step = -match.information.ldlt().solve(gradient);
       if (!step.allFinite()) break;
       match.state = perturbed(match.state, step);
+      match.excursion = std::max(match.excursion, distance(start, match.state));
       match.converged = kernel <= final_kernel &&
                         step.head<3>().norm() < options.translation_epsilon &&
                         step.segment<3>(3).norm() < options.rotation_epsilon;

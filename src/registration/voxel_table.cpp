@@ -2,6 +2,7 @@
 #include "lidar_mapping/registration/voxel_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace lidar_mapping::registration {
 namespace {
@@ -41,6 +42,14 @@ void VoxelTable::clear() {
   used_.clear();
   size_ = 0;
   sweep_slot_ = 0;
+}
+
+void VoxelTable::grow() {
+  VoxelTable larger(2 * slots_.size());
+  for (const VoxelSums& voxel : slots_) {
+    if (voxel.key != 0) *larger.find_or_add(larger.slot_of(voxel.key)) = voxel;
+  }
+  *this = std::move(larger);
 }
 
 /// Closes the gap by moving later voxels of the same run back, so that no tombstones are needed.

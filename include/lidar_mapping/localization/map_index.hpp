@@ -26,14 +26,20 @@ struct MapSource {
 /// it one after the other; one thread at a time uses it.
 class MapIndex {
  public:
-  /// Reads all clouds once, by at most `threads` threads (0: all cores), and later those of places
-  /// that are verified; `clouds` must outlive this object. Appearances go into a temporary file
-  /// without a name in `directory`. Throws InputError if no key frame has a pose and a cloud, and
-  /// FileError.
+  /// Default bound of the slots of the fine table of Gaussians, of which three quarters can be
+  /// used: 64 bytes each, and a quarter of that for the coarse table, 168 MB. Chosen: at 125 to 250
+  /// Gaussians for each metre of a road, maps of 6 to 12 km are in memory as a whole.
+  static constexpr std::size_t kMostSlots = std::size_t{1} << 21;
+
+  /// Reads all clouds twice, by at most `threads` threads (0: all cores), and later those of places
+  /// that are verified; `clouds` must outlive this object. Appearances, and the Gaussians for which
+  /// tables of `most_slots` slots have no room, go into temporary files without a name in
+  /// `directory`. No result depends on `most_slots`. Throws InputError if no key frame has a pose
+  /// and a cloud, and FileError, as Localizers do that use it.
   MapIndex(const MapSource& source, CloudSource& clouds,
            const loop_closing::LoopClosingConfig& verification,
            const std::filesystem::path& directory = std::filesystem::temp_directory_path(),
-           int threads = 1);
+           int threads = 1, std::size_t most_slots = kMostSlots);
   ~MapIndex();
   MapIndex(MapIndex&&) noexcept;  ///< Takes over the other index.
   /// Takes over the other index.
@@ -41,9 +47,9 @@ class MapIndex {
 
   /// T_map_base of each place: of the key frames with a pose, in their order.
   const std::vector<Pose>& places() const;
-  /// Number of Gaussians for matching.
+  /// Number of Gaussians of the whole map, in memory or not; the coarse ones not counted.
   std::size_t gaussians() const;
-  /// Memory of the tables of Gaussians, bytes.
+  /// Memory of the tables of Gaussians now, bytes.
   std::size_t bytes() const;
 
   /// For the stage itself.

@@ -51,8 +51,8 @@ struct WeightedPlane {
   float offset = 0.0F;  ///< without unit; points are relative to the map's origin
 };
 
-/// Gaussians in a grid of voxels, in one flat hash table that is never rebuilt: points are added
-/// one by one, and voxels that are far away are removed in small portions (remove_beyond()).
+/// Gaussians in a grid of voxels, in one flat hash table that is not rebuilt by itself: points are
+/// added one by one, and voxels that are far away are removed in small portions (remove_beyond()).
 ///
 /// Points are floats relative to origin(), which stays near the sensor and is moved in whole
 /// voxels, so that no precision is lost however long the path is. Sums are stored relative to the
@@ -98,6 +98,14 @@ class GaussianVoxelMap {
   /// a voxel is crossed by one ring at a time, the points in a bush have the height of the ring,
   /// which moves with the sensor. Such voxels give no information about the height.
   void set_ring_spacing(double angle) { ring_spacing_ = static_cast<float>(angle); }
+
+  /// The voxels as they are stored, for those who keep a part of them elsewhere. A key is that of
+  /// the voxel in the map's frame, whatever the origin, and has one more bit, which
+  /// voxel_index(key) ignores, for the second side. A voxel that is put back with its key is the
+  /// same as before, bit for bit, with its plane.
+  VoxelTable& table() { return table_; }
+  /// The voxels as they are stored.
+  const VoxelTable& table() const { return table_; }
 
   /// Where the search for a voxel starts; `cell` counts from the origin's voxel.
   VoxelTable::Slot slot_of(const VoxelIndex& cell) const {

@@ -87,6 +87,7 @@ struct NdtMatch {
   MotionState state;       ///< where the search ended
   bool converged = false;  ///< the last step was below the limits
   int iterations = 0;      ///< number of steps
+  double excursion = 0.0;  ///< m: distance from the start to the farthest position on the way
   /// Gauss-Newton Hessian of the points alone for the pose, for independent residuals.
   Matrix6d pose_hessian = Matrix6d::Zero();
   /// Information of the points, weighted against the prior: NdtOptions::data_weight times their

@@ -27,8 +27,8 @@ struct alignas(64) VoxelSums {
   VoxelSums() : count_at_plane(0), has_front(0) {}
 };
 
-/// Hash table of voxels with linear probing. It never grows: when it is full, new voxels are
-/// refused. Pointers to voxels are valid until one is removed.
+/// Hash table of voxels with linear probing. It grows only by grow(): when it is full, new voxels
+/// are refused. Pointers to voxels are valid until one is removed, or until the table grows.
 class VoxelTable {
  public:
   /// Where the search for a key starts.
@@ -42,10 +42,14 @@ class VoxelTable {
 
   /// Number of voxels.
   std::size_t size() const { return size_; }
+  /// Number of voxels for which there is room.
+  std::size_t capacity() const { return max_size_; }
   /// All slots, of which those with a key of zero are empty.
   const std::vector<VoxelSums>& slots() const { return slots_; }
   /// Deletes all voxels.
   void clear();
+  /// Doubles the number of slots. The voxels stay as they are, bit for bit.
+  void grow();
 
   /// Where the search for `key` starts.
   Slot slot_of(VoxelKey key) const { return {key, first_slot(key)}; }
@@ -87,6 +91,18 @@ class VoxelTable {
         erase(sweep_slot_);  // and stay, because another voxel may have moved into this slot
       } else {
         sweep_slot_ = next(sweep_slot_);
+      }
+    }
+  }
+  /// Deletes all voxels whose key fulfils `is_obsolete`, in one pass over all slots.
+  template <typename Predicate>
+  void remove_if(const Predicate& is_obsolete) {
+    for (std::uint32_t slot = 0; slot < slots_.size();) {
+      const VoxelKey key = slots_[slot].key;
+      if (key != 0 && is_obsolete(key)) {
+        erase(slot);  // and stay, as sweep() does
+      } else {
+        ++slot;
       }
     }
   }
