@@ -25,8 +25,7 @@ constexpr double kCoarsePriorWeight = 0.01;
 constexpr int kMaxIterations = 20;
 
 /// m beyond the range of the points in which the map has to be in memory. Chosen: four times the
-/// standard deviation with which a place is given up (localizer.cpp); no match is known that went
-/// as far.
+/// standard deviation with which a place is given up (localizer.cpp).
 constexpr double kReach = 20.0;
 /// The same for a match that goes further: it is repeated with more of the map. Chosen: what has
 /// gone so far astray is a wrong pose, whatever else it finds there.

@@ -16,8 +16,9 @@ namespace {
 constexpr double kDisplayResolution = 0.5;
 
 std::string summary_of(pipeline::SessionMap& map) {
-  return formatted("the map %s: %zu places, %zu Gaussians", map.directory().c_str(),
-                   map.index().places().size(), map.index().gaussians());
+  return formatted("the map %s: %zu places, %zu Gaussians, tables of %.0f MB",
+                   map.directory().c_str(), map.index().places().size(), map.index().gaussians(),
+                   static_cast<double>(map.index().bytes()) * 1e-6);
 }
 
 }  // namespace

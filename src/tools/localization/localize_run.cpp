@@ -132,7 +132,7 @@ class LocalizingRun {
 
  private:
   static void print_map(pipeline::SessionMap& map) {
-    std::printf("map: %zu places, %zu Gaussians, %.0f MB\n", map.index().places().size(),
+    std::printf("map: %zu places, %zu Gaussians, tables of %.0f MB\n", map.index().places().size(),
                 map.index().gaussians(), static_cast<double>(map.index().bytes()) * 1e-6);
     std::fflush(stdout);
   }
