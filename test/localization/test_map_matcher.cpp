@@ -238,14 +238,18 @@ TEST_F(Matching, IsAsGoodFarFromTheOrigin) {
   EXPECT_TRUE(near(found.estimate.T_map_base, far * truth, 0.05, 0.003));
 }
 
-TEST(MapSurfaces, SaysWhenItsRoomIsTooSmall) {
+// A single scan has more Gaussians than the smallest table has room for.
+TEST(MapSurfaces, LoseNoPointWhereTheRoomIsTooSmall) {
   const ToyWorld world = make_town(60.0, 48.0, 3);
   MapSurfaces small(256), large(1 << 16);
+  EXPECT_EQ(small.bytes(), (256U + 64U) * sizeof(registration::VoxelSums));
   for (MapSurfaces* surfaces : {&small, &large}) {
     surfaces->insert(world.scan(Pose::Identity(), 1), Pose::Identity(), ToyWorld::sensor());
+    EXPECT_EQ(surfaces->fine().dropped_points() + surfaces->coarse().dropped_points(), 0U);
   }
-  EXPECT_TRUE(small.is_overfull());
-  EXPECT_FALSE(large.is_overfull());
+  EXPECT_GT(large.gaussians(), 256U);
+  EXPECT_EQ(small.gaussians(), large.gaussians());
+  EXPECT_LT(small.bytes(), large.bytes());
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -214,6 +217,54 @@ TEST(GaussianVoxelMap, MovingTheOriginMovesNothing) {
   const Gaussian after = map.gaussian({5, -72, -11});
   EXPECT_EQ(after.count, before.count);
   EXPECT_TRUE(test::near(after.mean + map.origin(), before.mean, 1e-9));
+}
+
+/// The bytes of all voxels, by their keys.
+std::map<VoxelKey, std::string> bytes_of_voxels(const GaussianVoxelMap& map) {
+  std::map<VoxelKey, std::string> bytes;
+  for (const VoxelSums& voxel : map.table().slots()) {
+    if (voxel.key == 0) continue;
+    bytes[voxel.key] = std::string(reinterpret_cast<const char*>(&voxel), sizeof(VoxelSums));
+  }
+  return bytes;
+}
+
+// Both sides of a slab with their planes, and voxels that have none yet.
+TEST(GaussianVoxelMap, TakesBackItsVoxelsBitByBit) {
+  GaussianVoxelMap map(1.0, 64);
+  const Eigen::Vector3f below(-3.0F, 0.5F, -0.5F);
+  const Eigen::Vector3f above(-3.0F, 0.5F, 2.5F);
+  insert_plate(0.4F, below, 1, map);
+  ASSERT_TRUE(height_seen(below, map));
+  insert_plate(0.65F, above, 2, map);
+  const auto from_below = height_seen(below, map);
+  const auto from_above = height_seen(above, map);
+  ASSERT_TRUE(from_below && from_above);
+  insert_row(1, 20, map);
+  const auto before = bytes_of_voxels(map);
+  ASSERT_EQ(before.size(), 22U);
+
+  const auto is_taken = [](VoxelKey key) { return voxel_index(key).x() < 10; };
+  std::vector<VoxelSums> taken;
+  for (const VoxelSums& voxel : map.table().slots()) {
+    if (voxel.key != 0 && is_taken(voxel.key)) taken.push_back(voxel);
+  }
+  EXPECT_EQ(taken.size(), 11U);
+  map.table().remove_if(is_taken);
+  EXPECT_EQ(map.size(), 11U);
+  EXPECT_EQ(map.gaussian({0, 0, 0}).count, 0);
+  EXPECT_EQ(map.gaussian({10, 0, 0}).count, 1);
+  EXPECT_FALSE(height_seen(below, map));
+
+  map.set_origin_cell({100, -7, 3});  // the keys do not depend on it
+  map.table().grow();
+  for (const VoxelSums& voxel : taken) {
+    *map.table().find_or_add(map.table().slot_of(voxel.key)) = voxel;
+  }
+  map.set_origin_cell({0, 0, 0});
+  EXPECT_EQ(bytes_of_voxels(map), before);
+  EXPECT_EQ(height_seen(below, map), from_below);
+  EXPECT_EQ(height_seen(above, map), from_above);
 }
 
 }  // namespace

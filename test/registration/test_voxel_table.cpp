@@ -119,6 +119,47 @@ TEST(VoxelTable, KeepsTheOthersWhenVoxelsAreRemoved) {
   }
 }
 
+TEST(VoxelTable, RemovesInOnePassAllThatFulfilACondition) {
+  std::mt19937_64 engine(7);
+  for (int round = 0; round < 200; ++round) {
+    VoxelTable table(64);
+    std::map<VoxelKey, std::uint16_t> expected;
+    while (expected.size() < 48) {
+      const VoxelKey key = 1 + engine() % 5000;
+      const auto count = static_cast<std::uint16_t>(1 + engine() % 1000);
+      if (expected.emplace(key, count).second) add(table, key, count);
+    }
+    table.remove_if([](VoxelKey key) { return key % 3 != 0; });
+    std::size_t kept = 0;
+    for (const auto& [key, count] : expected) {
+      const VoxelSums* const voxel = table.find(table.slot_of(key));
+      ASSERT_EQ(voxel != nullptr, key % 3 == 0) << round;
+      if (voxel == nullptr) continue;
+      ASSERT_EQ(voxel->count, count) << round;
+      ++kept;
+    }
+    ASSERT_EQ(table.size(), kept) << round;
+    ASSERT_EQ(used_slots(table), kept) << round;
+  }
+}
+
+TEST(VoxelTable, GrowsWithoutAChangeOfItsVoxels) {
+  VoxelTable table(16);
+  EXPECT_EQ(table.capacity(), 12U);
+  for (VoxelKey key = 1; key <= 12; ++key) add(table, 1000 * key, static_cast<std::uint16_t>(key));
+  EXPECT_EQ(table.find_or_add(table.slot_of(1)), nullptr);
+  table.grow();
+  EXPECT_EQ(table.slots().size(), 32U);
+  EXPECT_EQ(table.capacity(), 24U);
+  EXPECT_EQ(table.size(), 12U);
+  for (VoxelKey key = 1; key <= 12; ++key) {
+    const VoxelSums* const voxel = table.find(table.slot_of(1000 * key));
+    ASSERT_NE(voxel, nullptr) << key;
+    EXPECT_EQ(voxel->count, key);
+  }
+  EXPECT_NE(table.find_or_add(table.slot_of(1)), nullptr) << "there is room again";
+}
+
 // With few voxels only these are cleared, with many the whole table.
 TEST(VoxelTable, IsEmptyAfterItWasCleared) {
   for (const VoxelKey voxels : {0U, 1U, 15U, 16U, 17U, 48U}) {
