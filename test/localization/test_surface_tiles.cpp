@@ -143,8 +143,7 @@ TEST(SurfaceTiles, GrowBeyondTheirBoundWhereAnAreaDoesNotFit) {
   GaussianVoxelMap expected(1.0, 1 << 14);
   for (int step = 0; step < 20; ++step) {
     const Cloud cloud = cloud_around(Drive::x_at(step), static_cast<std::uint32_t>(step));
-    tiles.insert({static_cast<double>(Drive::x_at(step)), 0.0, 0.0}, 1000.0, cloud.x.data(),
-                 cloud.y.data(), cloud.z.data(), kPoints);
+    tiles.insert({-270.0, 0.0, 0.0}, 35.0, cloud.x.data(), cloud.y.data(), cloud.z.data(), kPoints);
     expected.insert(cloud.x.data(), cloud.y.data(), cloud.z.data(), kPoints);
   }
   EXPECT_GT(expected.size(), 200U);
