@@ -61,6 +61,18 @@ TEST(NdtMatcher, StopsWhereAStepNoLongerMatters) {
   }
 }
 
+// Without a map the prior alone says where to go.
+TEST(NdtMatcher, SaysHowFarItWent) {
+  GaussianVoxelMap empty(1.0, 16);
+  MotionState start;
+  start.T_map_sensor.translation = {3.0, -4.0, 0.0};
+  const NdtPoints points = seen_from(MotionState{}, test::street_corner(2, 400, 0.02));
+  const NdtMatch match = NdtMatcher().match(points, empty, kWeak, start, NdtOptions{});
+  EXPECT_TRUE(test::near(match.state.T_map_sensor, Pose::Identity(), 1e-6, 1e-6));
+  EXPECT_NEAR(match.excursion, 5.0, 1e-6);
+  EXPECT_EQ(NdtMatcher().evaluate(points, empty, start, NdtOptions{}).excursion, 0.0);
+}
+
 // In units of what the planes claim: walls that are smoother than those of the map fit better.
 TEST(NdtMatcher, TellsHowFarThePointsLieFromTheirPlanes) {
   GaussianVoxelMap map = corner_map();
