@@ -77,11 +77,13 @@ class Localizer {
   /// Gives the place up and searches in the whole map, for instance because a person sees that it
   /// is wrong.
   void restart();
-  /// Throws InputError if the stamp does not increase.
+  /// Throws InputError if the stamp does not increase, and FileError if a part of the map cannot be
+  /// read from the temporary file of MapIndex or put there; the next scan may be given all the
+  /// same.
   LocalizationResult process(const LocalizerInput& input);
   /// The points of the newest scan that were matched, and how well they fit to the map at the pose
   /// of its result; none without a pose. They cost time only when they are asked for: about as much
-  /// as an iteration of the match.
+  /// as an iteration of the match. Throws FileError as process() does.
   std::vector<MatchedPoint> matched_points();
 
  private:
