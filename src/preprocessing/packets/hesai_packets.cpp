@@ -19,8 +19,6 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::int64_t kSecond =
-    1'000'000;  // us until the sensor's time begins anew, by the manual
 constexpr double kRadPerCount = 0.01 * kRadPerDeg;  // of an azimuth, by the user's manual
 
 // The calibration beside the packets, by HesaiLidar_General_ROS 1.1.4 and later: a flag, two bytes
