@@ -6,6 +6,7 @@
 #include <set>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/text.hpp"
 
@@ -302,10 +303,7 @@ void CityGraph::keep_largest_part(const std::vector<int>& parts) {
 
 }  // namespace
 
-std::string drive_name(const fs::path& session) {
-  const fs::path folder = fs::absolute(session).lexically_normal();
-  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
-}
+std::string drive_name(const fs::path& session) { return folder_path(session).filename().string(); }
 
 const char* to_string(DriveState state) {
   switch (state) {

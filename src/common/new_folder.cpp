@@ -5,10 +5,21 @@
 
 namespace lidar_mapping {
 
-void check_new_folder(const std::filesystem::path& folder) {
-  if (!std::filesystem::exists(folder)) return;
-  if (std::filesystem::is_directory(folder) && std::filesystem::is_empty(folder)) return;
+namespace fs = std::filesystem;
+
+void check_new_folder(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (fs::is_directory(folder) && fs::is_empty(folder)) return;
   throw FileError(folder.string() + " exists and is no empty folder; name a new one");
+}
+
+fs::path folder_path(const fs::path& folder) {
+  return fs::absolute(folder / ".").lexically_normal().parent_path();
+}
+
+fs::path hidden_beside(const fs::path& folder, const std::string& ending) {
+  const fs::path whole = folder_path(folder);
+  return whole.parent_path() / ("." + whole.filename().string() + ending);
 }
 
 }  // namespace lidar_mapping

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 
 namespace lidar_mapping::map {
 
@@ -15,9 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Where the older folder waits while it is replaced.
-fs::path aside(const fs::path& directory) {
-  return directory.parent_path() / ("." + directory.filename().string() + ".old");
-}
+fs::path aside(const fs::path& directory) { return hidden_beside(directory, ".old"); }
 
 /// Whoever was killed while it replaced the folder has left the older one aside, and none in its
 /// place.
@@ -52,7 +51,7 @@ void synchronise(const fs::path& folder) {
 
 void write_whole_folder(const fs::path& directory, const char* mark, const char* content,
                         const std::function<void(const fs::path& folder)>& write) {
-  const fs::path target = fs::absolute(directory / ".").lexically_normal().parent_path();
+  const fs::path target = folder_path(directory);
   std::error_code ignored;
   try {
     put_back(target);
@@ -63,7 +62,7 @@ void write_whole_folder(const fs::path& directory, const char* mark, const char*
     throw FileError(directory.string() + " is there already and holds no " + content +
                     "; name another directory");
   }
-  const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
+  const fs::path temporary = hidden_beside(target, ".part");
   try {
     fs::remove_all(temporary);
     fs::create_directories(temporary);

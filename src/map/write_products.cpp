@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
@@ -214,8 +215,7 @@ class ProductWriter {
 
   /// The name of the session, in whose folder map/ its maps are; else that of the folder.
   std::string title() const {
-    const auto folder =
-        std::filesystem::absolute(directory_ / ".").lexically_normal().parent_path();
+    const auto folder = folder_path(directory_);
     return (folder.filename() == "map" ? folder.parent_path() : folder).filename().string();
   }
 

@@ -59,6 +59,16 @@ bool is_removed(std::size_t i, Layer layer, const VoteBlocks& blocks,
   return false;
 }
 
+/// The numbers, below `count`, of the points that are wanted.
+template <typename IsWanted>
+std::vector<std::uint32_t> numbers_of(std::size_t count, const IsWanted& is_wanted) {
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (is_wanted(i)) numbers.push_back(static_cast<std::uint32_t>(i));
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::vector<Layer> classify_layers(const TransformedPoints& points, GroundModels& ground_models) {
@@ -74,51 +84,36 @@ std::vector<Layer> classify_layers(const TransformedPoints& points, GroundModels
 }
 
 std::vector<std::uint32_t> voted_points(const std::vector<Layer>& layers) {
-  std::vector<std::uint32_t> numbers;
-  numbers.reserve(layers.size());
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    if (layers[i] >= Layer::kBody) numbers.push_back(static_cast<std::uint32_t>(i));
-  }
-  return numbers;
+  return numbers_of(layers.size(), [&](std::size_t i) { return layers[i] >= Layer::kBody; });
 }
 
 std::vector<std::uint32_t> isolated_points(const TransformedPoints& points,
                                            const std::vector<Vote>& votes) {
   const NeighbourCounter neighbour_counts(points, votes);
-  std::vector<std::uint32_t> isolated;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (votes[i] == Vote::kMoving && neighbour_counts.around(i) <= kMaxNeighbours)
-      isolated.push_back(static_cast<std::uint32_t>(i));
-  }
-  return isolated;
+  return numbers_of(points.size(), [&](std::size_t i) {
+    return votes[i] == Vote::kMoving && neighbour_counts.around(i) <= kMaxNeighbours;
+  });
 }
 
 std::vector<std::uint32_t> moving_points(const TransformedPoints& points,
                                          const std::vector<Vote>& votes,
                                          const std::vector<Layer>& layers) {
-  std::vector<std::uint32_t> moving;
   const VoteBlocks blocks(points, votes);
-  if (blocks.empty()) return moving;
+  if (blocks.empty()) return {};
   const RemovedObjects removed_objects(points, votes, layers);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (is_removed(i, layers[i], blocks, removed_objects))
-      moving.push_back(static_cast<std::uint32_t>(i));
-  }
-  return moving;
+  return numbers_of(points.size(), [&](std::size_t i) {
+    return is_removed(i, layers[i], blocks, removed_objects);
+  });
 }
 
 std::vector<std::uint32_t> outvoted_points(const TransformedPoints& points,
                                            const std::vector<Vote>& votes,
                                            const std::vector<Layer>& layers) {
-  std::vector<std::uint32_t> outvoted;
   const VoteBlocks blocks(points, votes);
-  if (blocks.empty()) return outvoted;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (layers[i] != Layer::kGround && blocks.is_moving_around(i)) {
-      outvoted.push_back(static_cast<std::uint32_t>(i));
-    }
-  }
-  return outvoted;
+  if (blocks.empty()) return {};
+  return numbers_of(points.size(), [&](std::size_t i) {
+    return layers[i] != Layer::kGround && blocks.is_moving_around(i);
+  });
 }
 
 }  // namespace lidar_mapping::moving_objects

@@ -174,7 +174,7 @@ void BackEndNode::add_key_frame(const KeyFrame& key_frame) {
   run_->add_key_frame(key_frame);
   files_outdated_ = true;
   store_sensor_origin();
-  context_.diagnostics.set("key frames", std::to_string(key_frame.index + 1));
+  context_.diagnostics.set("key frames", key_frame.index + 1);
   report_state();
   add_early_loops();
   optimize_if_due();
@@ -198,7 +198,7 @@ void BackEndNode::finalize() {
 void BackEndNode::report_missing() {
   const std::size_t missing = key_frames_.missing();
   const std::size_t before = std::exchange(reported_missing_, missing);
-  context_.diagnostics.set("key frames given up", std::to_string(missing));
+  context_.diagnostics.set("key frames given up", missing);
   if (missing > before) ROS_WARN_STREAM("key frames that never came: " << missing - before);
 }
 
@@ -233,13 +233,13 @@ void BackEndNode::add_loop(const LoopMessage& message) {
 void BackEndNode::add_verdict(const LoopVerdictMessage& message) {
   add_or_queue([this, id = message.run_id, verdict = from_message(message)](Run& run) {
     if (id == run_id_) return run.session().add_verdict(verdict);
-    context_.diagnostics.set("verdicts of other runs", std::to_string(++foreign_verdicts_));
+    context_.diagnostics.set("verdicts of other runs", ++foreign_verdicts_);
   });
 }
 
 /// The log has the first one alone, because a node that is left out makes it many.
 void BackEndNode::report_dropped(const std::string& what, std::size_t count) {
-  context_.diagnostics.set(what + ", dropped", std::to_string(count));
+  context_.diagnostics.set(what + ", dropped", count);
   if (count == 1) ROS_WARN_STREAM(what << ": too many wait, the oldest are dropped");
 }
 

@@ -48,8 +48,8 @@ class FloorDetectionNode {
     ++(floor.found ? found_ : missing_);
     context_.diagnostics.set_state(Diagnostics::Level::kOk,
                                    floor.found ? "floor found" : "no floor in this scan");
-    context_.diagnostics.set("scans with floor", std::to_string(found_));
-    context_.diagnostics.set("scans without floor", std::to_string(missing_));
+    context_.diagnostics.set("scans with floor", found_);
+    context_.diagnostics.set("scans without floor", missing_);
   }
 
   Config config_;

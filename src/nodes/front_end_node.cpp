@@ -191,7 +191,7 @@ bool FrontEndNode::is_replayed(Stamp stamp) {
                             << " s; scans are left out until it is past the last one)");
   }
   context_.diagnostics.set_state(Diagnostics::Level::kError, advice);
-  context_.diagnostics.set("scans played again", std::to_string(scans_replayed_));
+  context_.diagnostics.set("scans played again", scans_replayed_);
   return true;
 }
 
@@ -224,7 +224,7 @@ void FrontEndNode::process(std::vector<AssembledScan> scans) {
   for (const AssembledScan& scan : scans) process(scan);
   if (!scans.empty()) {
     context_.diagnostics.set("scans that lack samples of sensors",
-                             std::to_string(assembler_.scans_without_samples()));
+                             assembler_.scans_without_samples());
   }
   const std::size_t left_out = assembler_.scans_without_odometry();
   if (left_out > 0 && limiter_.due("external_odom")) {
@@ -308,11 +308,11 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   context_.diagnostics.count_output(result.stamp);
   context_.diagnostics.set_state(poor ? Diagnostics::Level::kWarning : Diagnostics::Level::kOk,
                                  front_end::to_string(state));
-  context_.diagnostics.set("probability of the step", std::to_string(result.status.probability));
-  context_.diagnostics.set("seconds per scan", std::to_string(result.status.seconds));
+  context_.diagnostics.set("probability of the step", result.status.probability);
+  context_.diagnostics.set("seconds per scan", result.status.seconds);
   if (result.status.map_points_dropped > 0) {
     context_.diagnostics.set("points without room in the local map",
-                             std::to_string(result.status.map_points_dropped));
+                             result.status.map_points_dropped);
   }
   if (result.status.sweep_times.source != front_end::SweepTimes::kAsGiven) {
     context_.diagnostics.set("times of the points",
@@ -320,7 +320,7 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   }
   if (result.status.unseen_way > 0.0) {
     context_.diagnostics.set("vertical distance not observed by the points, m",
-                             std::to_string(result.status.unseen_way));
+                             result.status.unseen_way);
   }
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {

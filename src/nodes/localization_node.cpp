@@ -247,11 +247,11 @@ void LocalizationNode::report(const LocalizationResult& result, double seconds) 
   const std::string state = localization::to_string(result.state);
   context_.diagnostics.count_output(result.stamp);
   context_.diagnostics.set_state(level_of(result.state), state + ": " + result.reason);
-  context_.diagnostics.set("probability", std::to_string(result.probability));
-  context_.diagnostics.set("agreement", std::to_string(result.agreement));
-  context_.diagnostics.set("coverage", std::to_string(result.coverage));
-  context_.diagnostics.set("seconds per scan", std::to_string(seconds));
-  context_.diagnostics.set("scans without odometry", std::to_string(pairing_.given_up()));
+  context_.diagnostics.set("probability", result.probability);
+  context_.diagnostics.set("agreement", result.agreement);
+  context_.diagnostics.set("coverage", result.coverage);
+  context_.diagnostics.set("seconds per scan", seconds);
+  context_.diagnostics.set("scans without odometry", pairing_.given_up());
   if (state == std::exchange(state_, state)) return;
   if (!localization::has_pose(result.state)) path_.poses.clear();
   if (result.state == LocalizationState::kLost) {

@@ -175,10 +175,10 @@ void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {
 
 void LoopClosingNode::report() {
   context_.diagnostics.set_state(Diagnostics::Level::kOk, "searching");
-  context_.diagnostics.set("key frames", std::to_string(key_frames_.feed().next_index()));
-  context_.diagnostics.set("key frames given up", std::to_string(key_frames_.feed().missing()));
-  context_.diagnostics.set("loops accepted", std::to_string(accepted_));
-  context_.diagnostics.set("candidates refused", std::to_string(refused_));
+  context_.diagnostics.set("key frames", key_frames_.feed().next_index());
+  context_.diagnostics.set("key frames given up", key_frames_.feed().missing());
+  context_.diagnostics.set("loops accepted", accepted_);
+  context_.diagnostics.set("candidates refused", refused_);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -96,8 +96,8 @@ void MapViewerNode::add_key_frame(const RunKeyFrame& received) {
   view_.track.add(key_frame);
   view_.floors.add_key_frame(key_frame.index, key_frame.stamp);
   context_.diagnostics.set_state(Diagnostics::Level::kOk, "following the drive");
-  context_.diagnostics.set("key frames", std::to_string(view_.track.size()));
-  context_.diagnostics.set("key frames given up", std::to_string(key_frames_.feed().missing()));
+  context_.diagnostics.set("key frames", view_.track.size());
+  context_.diagnostics.set("key frames given up", key_frames_.feed().missing());
   display_.graph_changed();
   map_outdated_ = true;
   if (config_.map_cloud_update_interval == 0.0) show_map(false);

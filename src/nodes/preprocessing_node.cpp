@@ -453,23 +453,21 @@ void PreprocessingNode::report() {
   context_.diagnostics.set_state(
       lost.empty() ? Diagnostics::Level::kOk : Diagnostics::Level::kWarning,
       lost.empty() ? "synchronising" : lost);
-  const auto set = [this](const char* key, std::size_t value) {
-    context_.diagnostics.set(key, std::to_string(value));
-  };
-  set("scans in", counters.scans_in);
-  set("scans out", counters.scans_out);
-  set("scans deskewed here", counters.scans_deskewed);
-  set("scans without transform", counters.scans_without_extrinsic);
-  set("scans without points", counters.scans_without_points);
-  set("scans out of order", counters.scans_out_of_order);
-  set("scans forgotten when time went back", counters.scans_forgotten);
-  set("scans completed early", counters.scans_waiting_too_long);
-  set("points not finite", counters.points_not_finite);
-  set("packets damaged", damaged_packets_ + ouster_.losses().damaged);
-  set("clouds of other LiDARs left out", other_clouds_left_out_);
-  set("samples refused", counters.samples_refused);
-  set("GNSS fixes refused", counters.gnss_refused);
-  set("resets", counters.resets);
+  Diagnostics& diagnostics = context_.diagnostics;
+  diagnostics.set("scans in", counters.scans_in);
+  diagnostics.set("scans out", counters.scans_out);
+  diagnostics.set("scans deskewed here", counters.scans_deskewed);
+  diagnostics.set("scans without transform", counters.scans_without_extrinsic);
+  diagnostics.set("scans without points", counters.scans_without_points);
+  diagnostics.set("scans out of order", counters.scans_out_of_order);
+  diagnostics.set("scans forgotten when time went back", counters.scans_forgotten);
+  diagnostics.set("scans completed early", counters.scans_waiting_too_long);
+  diagnostics.set("points not finite", counters.points_not_finite);
+  diagnostics.set("packets damaged", damaged_packets_ + ouster_.losses().damaged);
+  diagnostics.set("clouds of other LiDARs left out", other_clouds_left_out_);
+  diagnostics.set("samples refused", counters.samples_refused);
+  diagnostics.set("GNSS fixes refused", counters.gnss_refused);
+  diagnostics.set("resets", counters.resets);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/common/utm.hpp"
@@ -160,12 +161,11 @@ class DumpWriter {
 void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph& graph,
                     const fs::path& directory) {
   if (graph.nodes.empty()) throw InputError("the session has no key frames; nothing to dump");
-  fs::path target = fs::absolute(directory).lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();  // of a path that ends with a slash
+  const fs::path target = folder_path(directory);
   if (fs::exists(target)) {
     throw FileError(target.string() + " is there already; name another directory");
   }
-  const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
+  const fs::path temporary = hidden_beside(target, ".part");
   try {
     fs::remove_all(temporary);
     DumpWriter(session, graph, temporary).write();

@@ -8,6 +8,7 @@
 
 #include "lidar_mapping/back_end/pose_change.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/pipeline/session_merger.hpp"
 #include "lidar_mapping/pipeline/session_part.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
@@ -231,11 +232,7 @@ class MapExtender::Impl {
   LocalizedDrive drive_;
 };
 
-/// It begins with a point, so nobody takes it for a session.
-fs::path folder_beside(const fs::path& session) {
-  const fs::path whole = (fs::absolute(session) / "").lexically_normal().parent_path();
-  return whole.parent_path() / ("." + whole.filename().string() + ".drive.part");
-}
+fs::path folder_beside(const fs::path& session) { return hidden_beside(session, ".drive.part"); }
 
 MapExtender::MapExtender(const fs::path& map, const fs::path& folder)
     : impl_(std::make_unique<Impl>(map, folder)) {}

@@ -2,11 +2,11 @@
 #include "lidar_mapping/pipeline/pipeline.hpp"
 
 #include <atomic>
-#include <mutex>
 #include <utility>
 
 #include "graph_updater.hpp"
 #include "loop_search.hpp"
+#include "message_list.hpp"
 #include "scan_odometry.hpp"
 #include "scan_preparation.hpp"
 #include "stage_thread.hpp"
@@ -52,12 +52,12 @@ class Pipeline::Impl {
         odometry_(
             with_threads(config.front_end, config.threads), config.floor_detection,
             [this](DriveChunk&& chunk) { writing_.push(std::move(chunk)); },
-            [this](const std::string& message) { report_message(message); }),
+            [this](const std::string& message) { messages_.add(message); }),
         preparation_(
             with_datum(config.preprocessing, graph_updater_.back_end().session()),
             std::move(T_base), pool_,
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },
-            [this](const std::string& message) { report_message(message); }) {
+            [this](const std::string& message) { messages_.add(message); }) {
     if (!resume_point_) return;
     key_frames_ = graph_updater_.back_end().session().key_frame_count();
     loops_ = graph_updater_.back_end().session().loops().size();
@@ -98,10 +98,7 @@ class Pipeline::Impl {
 
   Progress progress() const { return {newest_, scans_, key_frames_, loops_}; }
 
-  std::vector<std::string> take_messages() {
-    const std::lock_guard<std::mutex> lock(messages_mutex_);
-    return std::exchange(messages_, {});
-  }
+  std::vector<std::string> take_messages() { return messages_.take(); }
 
   const session::Session& session() { return graph_updater_.back_end().session(); }
 
@@ -130,16 +127,10 @@ class Pipeline::Impl {
     updating_.push(std::move(chunk));
   }
 
-  void report_message(const std::string& message) {
-    const std::lock_guard<std::mutex> lock(messages_mutex_);
-    messages_.push_back(message);
-  }
-
   const bool threaded_;
   std::atomic<Stamp> newest_{0};
   std::atomic<std::size_t> scans_{0}, key_frames_{0}, loops_{0};
-  std::mutex messages_mutex_;
-  std::vector<std::string> messages_;
+  MessageList messages_;
 
   PoseFeedback feedback_;
   GraphUpdater graph_updater_;

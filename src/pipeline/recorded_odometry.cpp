@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pipeline/recorded_odometry.hpp"
 
-#include <mutex>
 #include <utility>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 
+#include "message_list.hpp"
 #include "scan_matching.hpp"
 #include "scan_preparation.hpp"
 #include "stage_thread.hpp"
@@ -41,11 +41,11 @@ class RecordedOdometry::Impl {
             [this](const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result) {
               hand_over(synced, std::move(result));
             },
-            [this](const std::string& message) { report(message); }),
+            [this](const std::string& message) { messages_.add(message); }),
         preparation_(
             config.preprocessing, std::move(T_base), pool_,
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },
-            [this](const std::string& message) { report(message); }) {}
+            [this](const std::string& message) { messages_.add(message); }) {}
 
   void add(Input&& input) { preparing_.push(std::move(input)); }
 
@@ -57,10 +57,7 @@ class RecordedOdometry::Impl {
     forwarding_.finish();
   }
 
-  std::vector<std::string> take_messages() {
-    const std::lock_guard<std::mutex> lock(messages_mutex_);
-    return std::exchange(messages_, {});
-  }
+  std::vector<std::string> take_messages() { return messages_.take(); }
 
  private:
   void match(PreparedScan&& scan) {
@@ -76,15 +73,9 @@ class RecordedOdometry::Impl {
     forwarding_.push(std::move(scan));
   }
 
-  void report(const std::string& message) {
-    const std::lock_guard<std::mutex> lock(messages_mutex_);
-    messages_.push_back(message);
-  }
-
   const bool threaded_;
   const Forward forward_;
-  std::mutex messages_mutex_;
-  std::vector<std::string> messages_;
+  MessageList messages_;
   CloudPool pool_;
   ScanMatching matching_stage_;
   ScanPreparation preparation_;

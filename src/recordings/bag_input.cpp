@@ -83,7 +83,7 @@ class BagInput::Impl {
       topics_.velocity.clear();
       wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
     }
-    const auto times = bags_.times_of(sensor_topics());
+    const auto times = bags_.times_of(topics_.by_sensor());
     if (!times) return;
     begin_ = times->first;
     end_ = times->second;
@@ -131,11 +131,8 @@ class BagInput::Impl {
     Stamp stamp = 0;
   };
 
-  std::vector<std::string> sensor_topics() const {
-    return {topics_.points, topics_.imu, topics_.velocity, topics_.gnss};
-  }
   std::vector<std::string> wanted_topics() const {
-    std::vector<std::string> topics = sensor_topics();
+    std::vector<std::string> topics = topics_.by_sensor();
     topics.insert(topics.end(), topics_.other_points.begin(), topics_.other_points.end());
     if (wheels_) topics.emplace_back("/tf");
     return topics;

@@ -34,13 +34,12 @@ OpenDrive open_folder(const DriveSelection& selection,
 
 /// "points    /topic: data", and the faults that were found.
 std::vector<std::string> lines_about(const BagInput& bags) try {
-  const ros_border::SensorTopics& topics = bags.topics();
-  const std::string names[] = {topics.points, topics.imu, topics.velocity, topics.gnss};
+  const std::vector<std::string> topics = bags.topics().by_sensor();
   std::vector<std::string> lines;
   if (!bags.frames_notice().empty()) lines.push_back("frames    " + bags.frames_notice());
   std::size_t index = 0;
   for (const preprocessing::InputReport& report : bags.examine(kCheckedTime)) {
-    const std::string& topic = names[index++];
+    const std::string& topic = topics[index++];
     std::string name = report.input;
     name.resize(10, ' ');
     lines.push_back(name + topic + (topic.empty() ? "" : ": ") + report.found);

@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 #include "digest.hpp"
@@ -19,9 +20,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFile = "localization.json";
 
 /// The last part of a path, which may end with a slash.
-std::string name_of(const fs::path& path) {
-  return (fs::absolute(path) / "").lexically_normal().parent_path().filename().string();
-}
+std::string name_of(const fs::path& path) { return folder_path(path).filename().string(); }
 
 /// To a tenth of a millimetre, so that the last bits of a calculation do not matter.
 std::string text_of(const Pose& pose) {

@@ -37,12 +37,9 @@ Session create_aside(const fs::path& temporary, const std::function<void(Session
 }  // namespace
 
 Session create_filled(const fs::path& directory, const std::function<void(Session&)>& fill) {
-  const fs::path target = fs::absolute(directory).lexically_normal();
-  check_new_folder(target);
-  const fs::path destination = target.has_filename() ? target : target.parent_path();
-  const fs::path temporary =
-      destination.parent_path() / ("." + destination.filename().string() + ".part");
-  return create_aside(temporary, fill, [&] { return destination; });
+  check_new_folder(fs::absolute(directory).lexically_normal());
+  const fs::path target = folder_path(directory);
+  return create_aside(hidden_beside(target, ".part"), fill, [&] { return target; });
 }
 
 Session create_filled(const fs::path& root, std::time_t now,

@@ -57,8 +57,7 @@ bool run(const Options& options) {
   recording.bags = &bags;
   recording.base_frame = options.base_frame;
   recording.topics = ros_border::topics_in(bags, options.topics);
-  const ros_border::SensorTopics& t = recording.topics;
-  const std::string topics[] = {t.points, t.imu, t.velocity, t.gnss};
+  const std::vector<std::string> topics = recording.topics.by_sensor();
   std::size_t diagnostics = 0, index = 0;
   for (const auto& report : ros_border::check(recording, config)) {
     print(report, topics[index++]);

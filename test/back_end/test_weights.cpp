@@ -16,7 +16,6 @@
 namespace lidar_mapping::back_end {
 namespace {
 
-constexpr double kDeg = M_PI / 180.0;
 constexpr double kDistanceInSegment = 100.0;  // m since the beginning of the segment
 
 Pose forward(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0.0, 0.0}}; }

@@ -14,8 +14,6 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-using test::at;
-
 /// Fixes and motion of a simulated drive through the stage; the scans carry no real points.
 struct Outcome {
   std::size_t with_gnss = 0;

@@ -19,8 +19,6 @@
 namespace lidar_mapping::ros_border {
 namespace {
 
-using sensor_msgs::PointField;
-
 class Fuzz {
  public:
   explicit Fuzz(std::uint32_t seed) : engine_(seed) {}

@@ -1,42 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <string>
 
-#include <gtest/gtest.h>
-
-#include "lidar_mapping/evaluation/trajectory_errors.hpp"
-
-#include "file_content.hpp"
-#include "program.hpp"
-#include "temporary_folder.hpp"
+#include "simulated_drives.hpp"
 
 namespace lidar_mapping::test {
 
 /// The map of a part of the figure eight, made by an OS1-64, and other drives through it: of
 /// another day, with other cars, in the other direction, by another sensor.
-class LocalizedDrives : public testing::Test {
+class LocalizedDrives : public SimulatedDrives {
  protected:
-  static const std::filesystem::path& root() {
-    static const TemporaryFolder folder;
-    return folder.path();
-  }
-  static int run(const std::string& program, const Words& words) {
-    return Program(program, words, root() / "log").wait();
-  }
-  static std::string said() { return content_of(root() / "log"); }
-  static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
-
-  /// Simulates a drive once; its truth lies beside it.
   static std::string bag(const std::string& name, Words words) {
-    const std::filesystem::path path = root() / (name + ".bag");
-    if (std::filesystem::exists(path)) return path;
-    words.insert(words.begin(), {path.string(), "--drive", "figure_eight", "--truth",
-                                 (root() / (name + ".tum")).string()});
-    EXPECT_EQ(run("simulate_drive", words), 0) << said();
-    return path;
+    words.insert(words.begin(), {"--drive", "figure_eight"});
+    return simulated(name, words);
   }
   static std::string map() {
     const std::filesystem::path session = root() / "map";
@@ -68,23 +46,12 @@ class LocalizedDrives : public testing::Test {
     return output;
   }
 
-  /// T_truth_map: where the map lies in the simulated world. The mapping drive's own errors of some
-  /// millimetres stay in the errors of a drive that is localised.
-  static Pose T_truth_map() {
-    return evaluation::rigid_alignment(evaluation::associate(
-        read_trajectory(root() / "mapping.tum"),
-        read_trajectory(std::filesystem::path(map()) / "trajectory/optimized.tum")));
-  }
+  static Pose T_truth_map() { return SimulatedDrives::T_truth_map(map()); }
   /// Errors of a localised drive against the truth of its bag.
   static evaluation::PoseErrors errors_of(const std::string& name,
                                           const std::filesystem::path& output) {
-    const auto pairs = evaluation::associate(read_trajectory(root() / (name + ".tum")),
-                                             read_trajectory(output / "trajectory/localized.tum"));
-    const auto errors = evaluation::absolute_pose_error(evaluation::aligned(pairs, T_truth_map()));
-    std::printf("%s: %zu poses, %.3f m rms, %.3f m at most, %.3f degrees rms, %.3f at most\n",
-                name.c_str(), pairs.size(), errors.translation_m.rmse, errors.translation_m.max,
-                errors.rotation_deg.rmse, errors.rotation_deg.max);
-    return errors;
+    return SimulatedDrives::errors_of(name, read_trajectory(output / "trajectory/localized.tum"),
+                                      T_truth_map());
   }
 };
 

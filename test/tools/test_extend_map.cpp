@@ -4,12 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/back_end/pose_change.hpp"
-#include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/session/session.hpp"
 
-#include "file_content.hpp"
-#include "program.hpp"
-#include "temporary_folder.hpp"
+#include "simulated_drives.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
@@ -17,32 +14,15 @@ namespace {
 namespace fs = std::filesystem;
 using session::Session;
 using test::content_of;
-using test::Program;
-using test::TemporaryFolder;
 using test::Words;
 
 /// The map of one street of a town and of half of the next one, and drives of other days that go on
 /// beyond its end.
-class ExtendMap : public testing::Test {
+class ExtendMap : public test::SimulatedDrives {
  protected:
-  static const fs::path& root() {
-    static const TemporaryFolder folder;
-    return folder.path();
-  }
-  static int run(const std::string& program, const Words& words) {
-    return Program(program, words, root() / "log").wait();
-  }
-  static std::string said() { return content_of(root() / "log"); }
-  static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
-
-  /// Simulates a drive once; its truth lies beside it.
   static std::string bag(const std::string& name, Words words) {
-    const fs::path path = root() / (name + ".bag");
-    if (fs::exists(path)) return path;
-    words.insert(words.begin(), {path.string(), "--lidar", "vlp16", "--truth",
-                                 (root() / (name + ".tum")).string()});
-    EXPECT_EQ(run("simulate_drive", words), 0) << said();
-    return path;
+    words.insert(words.begin(), {"--lidar", "vlp16"});
+    return simulated(name, words);
   }
   /// Without the noise of GNSS, so that only what is added could move it.
   static fs::path map() {
@@ -78,17 +58,9 @@ class ExtendMap : public testing::Test {
     return Session::open(folder, Session::Access::kRead);
   }
 
-  /// Errors of poses in the map against the truth of a bag. Where the map lies in the simulated
-  /// world follows from its own drive.
+  /// Errors of poses in the map against the truth of a bag.
   static evaluation::PoseErrors errors_of(const std::string& name, const Trajectory& poses) {
-    const Pose T_truth_map = evaluation::rigid_alignment(
-        evaluation::associate(read_trajectory(root() / "mapping.tum"),
-                              read_trajectory(map() / "trajectory/optimized.tum")));
-    const auto pairs = evaluation::associate(read_trajectory(root() / (name + ".tum")), poses);
-    const auto errors = evaluation::absolute_pose_error(evaluation::aligned(pairs, T_truth_map));
-    std::printf("%s: %zu poses, %.3f m rms, %.3f m at most\n", name.c_str(), pairs.size(),
-                errors.translation_m.rmse, errors.translation_m.max);
-    return errors;
+    return SimulatedDrives::errors_of(name, poses, T_truth_map(map()));
   }
 };
 

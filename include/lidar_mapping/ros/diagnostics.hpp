@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -37,6 +38,11 @@ class Diagnostics {
   void set_state(Level level, const std::string& text);
   /// A figure that belongs to this node.
   void set(const std::string& key, const std::string& value);
+  /// The same for a number, with the digits of std::to_string().
+  template <typename Number, typename = std::enable_if_t<std::is_arithmetic_v<Number>>>
+  void set(const std::string& key, Number value) {
+    set(key, std::to_string(value));
+  }
   /// A datum with this stamp has arrived: counts for rate and lag.
   void count_input(Stamp stamp);
   /// A result with this stamp has left: counts for rate and lag.

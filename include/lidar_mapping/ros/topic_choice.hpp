@@ -23,6 +23,8 @@ struct SensorTopics {
   std::string gnss;                            ///< one of GnssMessages::types()
   std::vector<std::string> other_points = {};  ///< of the other LiDARs on the vehicle
 
+  /// Of points, IMU, velocity and GNSS, the order in which recordings are checked.
+  std::vector<std::string> by_sensor() const { return {points, imu, velocity, gnss}; }
   /// All LiDARs' topics as a request.
   std::string all_points() const {
     std::string text = points;

@@ -35,11 +35,11 @@ void BackEndNode::apply_solution(const SolvedProblem& solved) {
     publish_verdicts(applied.verdicts);
   }
   const back_end::OptimizationReport& report = done.report;
-  context_.diagnostics.set("loops used", std::to_string(report.loops_used));
-  context_.diagnostics.set("loops refused", std::to_string(report.loops_refused));
-  context_.diagnostics.set("GNSS positions used", std::to_string(report.gnss_used));
-  context_.diagnostics.set("GNSS positions refused", std::to_string(report.gnss_refused));
-  context_.diagnostics.set("seconds per optimisation", std::to_string(solved.seconds));
+  context_.diagnostics.set("loops used", report.loops_used);
+  context_.diagnostics.set("loops refused", report.loops_refused);
+  context_.diagnostics.set("GNSS positions used", report.gnss_used);
+  context_.diagnostics.set("GNSS positions refused", report.gnss_refused);
+  context_.diagnostics.set("seconds per optimisation", solved.seconds);
   context_.diagnostics.set("last optimisation", report.message);
   failure_ = report.success ? "" : report.message;
   end_solving(to_answer(done));

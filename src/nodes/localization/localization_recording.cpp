@@ -78,15 +78,14 @@ void LocalizationNode::record(const RunKeyFrame& received) {
   DriveRecorder* const recorder = present_recorder();
   if (recorder == nullptr) return;
   recorder->add_key_frame(received);
-  context_.diagnostics.set("key frames given up", std::to_string(key_frames_.missing()));
+  context_.diagnostics.set("key frames given up", key_frames_.missing());
 }
 
 void LocalizationNode::record(const localization::LocalizationResult& place) {
   DriveRecorder* const recorder = present_recorder();
   if (recorder == nullptr) return;
   recorder->add_place(place);
-  context_.diagnostics.set("key frames recorded",
-                           std::to_string(recorder->drive().key_frames.size()));
+  context_.diagnostics.set("key frames recorded", recorder->drive().key_frames.size());
 }
 
 void LocalizationNode::withdraw_place() {

@@ -61,8 +61,8 @@ void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const Key
   const Stamp stamp = poses.poses.back().stamp;
   global_map_.publish(to_message(map, stamp, config_.node.map_frame));
   context_.diagnostics.count_output(stamp);
-  context_.diagnostics.set("points", std::to_string(map.size()));
-  context_.diagnostics.set("clouds missing", std::to_string(run->builder.missing_clouds()));
+  context_.diagnostics.set("points", map.size());
+  context_.diagnostics.set("clouds missing", run->builder.missing_clouds());
 }
 
 /// Poses on the topic may arrive late, so the newest ones are fetched by the service: a map saved

@@ -97,12 +97,9 @@ void OusterInput::warn_without_metadata() {
 void OusterInput::report() {
   const OusterLosses& packets = losses();
   if (std::exchange(reported_, packets.total()) == packets.total()) return;
-  const auto set = [this](const char* key, std::size_t value) {
-    context_.diagnostics.set(key, std::to_string(value));
-  };
-  set("packets before the metadata", packets.without_metadata);
-  set("packets late", packets.late);
-  set("packets of an unfinished turn", packets.unfinished);
+  context_.diagnostics.set("packets before the metadata", packets.without_metadata);
+  context_.diagnostics.set("packets late", packets.late);
+  context_.diagnostics.set("packets of an unfinished turn", packets.unfinished);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -27,7 +27,7 @@ void ScanLossCounter::report() {
   // On a vehicle the driver has published scans before this node started, which is no loss; of a
   // recording all scans should arrive.
   const std::size_t missing = ros::Time::isSimTime() ? received.missing() : received.between();
-  context_.diagnostics.set("scans missing by their numbers", std::to_string(missing));
+  context_.diagnostics.set("scans missing by their numbers", missing);
   if (missing != logged_missing_ && limiter_.due("missing")) {
     log_missing(missing, missing - received.between());
   }

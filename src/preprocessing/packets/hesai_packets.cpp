@@ -14,13 +14,12 @@
 #include "packets/azimuth_groups.hpp"
 #include "packets/hesai_models.hpp"
 #include "packets/packet_times.hpp"
+#include "packets/scan_of_packets.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::int64_t kSecond =
-    1'000'000;  // us until the sensor's time begins anew, by the manual
 constexpr double kRadPerCount = 0.01 * kRadPerDeg;  // of an azimuth, by the user's manual
 
 // The calibration beside the packets, by HesaiLidar_General_ROS 1.1.4 and later: a flag, two bytes
@@ -48,14 +47,6 @@ HesaiCalibration calibration_in(const HesaiPacket& packet) {
   } catch (const ConfigError& error) {
     throw InputError(error.what());
   }
-}
-
-/// Throws InputError if the calibration is that of another sensor. `name` is where it is from.
-void check(const HesaiCalibration& calibration, const HesaiModel& model, const std::string& name) {
-  if (calibration.lasers.size() == model.lasers.size()) return;
-  throw InputError(name + " is of " + std::to_string(calibration.lasers.size()) +
-                   " lasers, but the packets are those of a " + model.name + " with " +
-                   std::to_string(model.lasers.size()) + "; name the file of this sensor");
 }
 
 std::vector<double> times_of(const std::vector<HesaiPacket>& packets, const HesaiModel& model,
@@ -144,14 +135,11 @@ class PointCollector {
 /// The calibration that is given, else that beside the packets, else the nominal one.
 HesaiCalibration fitting(const std::optional<HesaiCalibration>& given,
                          const std::vector<HesaiPacket>& packets, const HesaiModel& model) {
-  if (given) {
-    check(*given, model, "hesai_calibration");
-    return *given;
-  }
   const auto beside = std::find_if(packets.begin(), packets.end(), is_calibration);
-  if (beside == packets.end()) return nominal_calibration(model);
-  HesaiCalibration calibration = calibration_in(*beside);
-  check(calibration, model, "the calibration in the scan");
+  if (!given && beside == packets.end()) return nominal_calibration(model);
+  HesaiCalibration calibration = given ? *given : calibration_in(*beside);
+  check_lasers(given ? "hesai_calibration" : "the calibration in the scan",
+               calibration.lasers.size(), model.name, model.lasers.size());
   return calibration;
 }
 
@@ -171,22 +159,11 @@ PacketScan HesaiDecoder::decode(const std::vector<HesaiPacket>& packets, Stamp s
   std::remove_copy_if(packets.begin(), packets.end(), std::back_inserter(measured), is_calibration);
   if (measured.empty()) throw InputError("a scan of a Hesai holds no packets");
   const HesaiModel& model = hesai_model(measured);
-  std::vector<HesaiPacket> whole;
-  std::copy_if(measured.begin(), measured.end(), std::back_inserter(whole),
-               [&](const HesaiPacket& packet) { return model.is_whole(packet); });
-  if (whole.empty()) {
-    throw InputError("all " + std::to_string(measured.size()) +
-                     " packets of a Hesai scan are damaged");
-  }
-  PacketScan scan;
-  scan.damaged_packets = measured.size() - whole.size();
-  scan.contents = std::to_string(measured.size()) + " packets of a Hesai " + model.name;
-  scan.cloud = std::move(buffer);
-  scan.cloud.points.clear();
-  scan.cloud.times.clear();
-  const std::vector<double> times = times_of(whole, model, stamp);
+  const auto is_whole = [&](const HesaiPacket& packet) { return model.is_whole(packet); };
+  PacketScan scan = scan_of_whole(measured, is_whole, "Hesai", model.name, std::move(buffer));
+  const std::vector<double> times = times_of(measured, model, stamp);
   PointCollector points(model, fitting(calibration_, packets, model), scan.cloud);
-  for (std::size_t i = 0; i < whole.size(); ++i) points.add(whole[i], times[i]);
+  for (std::size_t i = 0; i < measured.size(); ++i) points.add(measured[i], times[i]);
   scan.span = time_span(scan.cloud);
   return scan;
 }

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -15,6 +14,7 @@
 
 #include "packets/azimuth_groups.hpp"
 #include "packets/packet_times.hpp"
+#include "packets/scan_of_packets.hpp"
 #include "packets/velodyne_models.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -201,10 +201,8 @@ class PointCollector {
 VelodyneCalibration fitting(const std::optional<VelodyneCalibration>& calibration,
                             const VelodyneModel& model) {
   if (!calibration) return nominal_calibration(model);
-  if (calibration->lasers.size() == model.lasers) return *calibration;
-  throw InputError("velodyne_calibration is of " + std::to_string(calibration->lasers.size()) +
-                   " lasers, but the packets are those of a " + model.name + " with " +
-                   std::to_string(model.lasers) + "; name the file of this sensor");
+  check_lasers("velodyne_calibration", calibration->lasers.size(), model.name, model.lasers);
+  return *calibration;
 }
 
 }  // namespace
@@ -216,19 +214,8 @@ PacketScan VelodyneDecoder::decode(const std::vector<VelodynePacket>& packets, S
                                    PointCloud buffer) const {
   if (packets.empty()) throw InputError("a scan of a Velodyne holds no packets");
   const VelodyneModel& model = velodyne_model(packets, calibration_);
-  std::vector<VelodynePacket> whole;
-  std::copy_if(packets.begin(), packets.end(), std::back_inserter(whole), is_whole);
-  if (whole.empty()) {
-    throw InputError("all " + std::to_string(packets.size()) +
-                     " packets of a Velodyne scan are "
-                     "damaged");
-  }
-  PacketScan scan;
-  scan.damaged_packets = packets.size() - whole.size();
-  scan.contents = std::to_string(packets.size()) + " packets of a Velodyne " + model.name;
-  scan.cloud = std::move(buffer);
-  scan.cloud.points.clear();
-  scan.cloud.times.clear();
+  std::vector<VelodynePacket> whole = packets;
+  PacketScan scan = scan_of_whole(whole, is_whole, "Velodyne", model.name, std::move(buffer));
   const std::vector<double> times = times_of(whole, stamp);
   const double duration = packet_duration(times);
   PointCollector points(model, fitting(calibration_, model), scan.cloud);

@@ -25,8 +25,6 @@ namespace lidar_mapping::tools {
 
 namespace {
 
-using localization::LocalizationState;
-
 // Exit status, see doc/localization.md; chosen as those of map_bag, and one of its own.
 constexpr int kStoppedEarly = 3;
 constexpr int kNeverFound = 5;
