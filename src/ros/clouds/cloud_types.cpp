@@ -3,16 +3,19 @@
 
 #include <algorithm>
 
-#include <sensor_msgs/PointCloud.h>
-#include <sensor_msgs/PointCloud2.h>
-
 #include "lidar_mapping/common/text.hpp"
 
-#include "clouds/hesai_scan.hpp"
+#include "clouds/message_readers.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
+
+std::vector<CloudType> types_of_readers() {
+  std::vector<CloudType> types;
+  for (const MessageReader& reader : message_readers()) types.push_back(reader.type);
+  return types;
+}
 
 std::vector<std::string> names() {
   std::vector<std::string> names;
@@ -34,18 +37,7 @@ std::vector<std::string> sums_of(const std::string& name) {
 }  // namespace
 
 const std::vector<CloudType>& cloud_types() {
-  // The MD5 sums of types of drivers are those of the packages' message definitions.
-  static const std::string livox = "e4d6829bdfe657cb6c21a746c86b21a6";
-  static const std::vector<CloudType> all = {
-      {"sensor_msgs/PointCloud2", ros::message_traits::MD5Sum<sensor_msgs::PointCloud2>::value()},
-      {"livox_ros_driver/CustomMsg", livox},
-      {"livox_ros_driver2/CustomMsg", livox},
-      {"velodyne_msgs/VelodyneScan", "50804fc9533a0e579e6322c04ae70566"},
-      {"hesai_lidar/PandarScan", kPandarScanInSizes},
-      {"hesai_lidar/PandarScan", kPandarScanInPlaces},
-      {"pandar_msgs/PandarScan", kPandarScanInPlaces},
-      {"pandar_msgs/PandarScan", kPandarScanInSizes},
-      {"sensor_msgs/PointCloud", ros::message_traits::MD5Sum<sensor_msgs::PointCloud>::value()}};
+  static const std::vector<CloudType> all = types_of_readers();
   return all;
 }
 

@@ -3,12 +3,16 @@
 
 #include <utility>
 
+#include <sensor_msgs/PointCloud.h>
+#include <sensor_msgs/PointCloud2.h>
+
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/cloud_types.hpp"
 
 #include "bags/wire_array.hpp"
 #include "clouds/hesai_scan.hpp"
 #include "clouds/livox_cloud.hpp"
+#include "clouds/message_readers.hpp"
 #include "clouds/point_cloud1.hpp"
 #include "clouds/velodyne_scan.hpp"
 
@@ -34,28 +38,30 @@ RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
   return cloud;
 }
 
-struct Reader {
-  const char* type;
-  const char* md5sum;  ///< of the definition, where a type has several; otherwise null
-  RecordedCloud (*read)(ros::serialization::IStream stream);
-};
-constexpr Reader kReaders[] = {
-    {"sensor_msgs/PointCloud2", nullptr, read_point_cloud2},
-    {"livox_ros_driver/CustomMsg", nullptr, read_livox_cloud},
-    {"livox_ros_driver2/CustomMsg", nullptr, read_livox_cloud},
-    {"velodyne_msgs/VelodyneScan", nullptr, read_velodyne_scan},
-    {"hesai_lidar/PandarScan", kPandarScanInSizes, read_pandar_scan_in_sizes},
-    {"hesai_lidar/PandarScan", kPandarScanInPlaces, read_pandar_scan_in_places},
-    {"pandar_msgs/PandarScan", kPandarScanInSizes, read_pandar_scan_in_sizes},
-    {"pandar_msgs/PandarScan", kPandarScanInPlaces, read_pandar_scan_in_places},
-    {"sensor_msgs/PointCloud", nullptr, read_point_cloud1}};
-
 }  // namespace
+
+const std::vector<MessageReader>& message_readers() {
+  // The MD5 sums of types of drivers are those of the packages' message definitions.
+  static const std::string livox = "e4d6829bdfe657cb6c21a746c86b21a6";
+  static const std::vector<MessageReader> all = {
+      {{"sensor_msgs/PointCloud2", ros::message_traits::MD5Sum<sensor_msgs::PointCloud2>::value()},
+       read_point_cloud2},
+      {{"livox_ros_driver/CustomMsg", livox}, read_livox_cloud},
+      {{"livox_ros_driver2/CustomMsg", livox}, read_livox_cloud},
+      {{"velodyne_msgs/VelodyneScan", "50804fc9533a0e579e6322c04ae70566"}, read_velodyne_scan},
+      {{"hesai_lidar/PandarScan", kPandarScanInSizes}, read_pandar_scan_in_sizes},
+      {{"hesai_lidar/PandarScan", kPandarScanInPlaces}, read_pandar_scan_in_places},
+      {{"pandar_msgs/PandarScan", kPandarScanInPlaces}, read_pandar_scan_in_places},
+      {{"pandar_msgs/PandarScan", kPandarScanInSizes}, read_pandar_scan_in_sizes},
+      {{"sensor_msgs/PointCloud", ros::message_traits::MD5Sum<sensor_msgs::PointCloud>::value()},
+       read_point_cloud1}};
+  return all;
+}
 
 RecordedCloud read_cloud(const std::string& type, const std::string& md5sum, ByteRange data,
                          std::shared_ptr<const void> memory) {
-  for (const Reader& reader : kReaders) {
-    if (type != reader.type || (reader.md5sum != nullptr && md5sum != reader.md5sum)) continue;
+  for (const MessageReader& reader : message_readers()) {
+    if (type != reader.type.name || md5sum != reader.type.md5sum) continue;
     // The library takes its input as uint8_t*, but leaves it as it is.
     RecordedCloud cloud =
         reader.read({const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)});
