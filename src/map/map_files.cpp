@@ -182,8 +182,8 @@ void check_range(const PointCloud& cloud) {
     if (point.position().cwiseAbs().maxCoeff() <= kMaxDistance) continue;
     throw InputError("the map reaches " +
                      std::to_string(std::lround(point.position().cwiseAbs().maxCoeff())) +
-                     " m from the origin of its frame, which PCD and PLY files cannot hold to the "
-                     "centimetre; write LAS, or begin the odometry near zero");
+                     " m from the origin of its frame, which the floats of this format cannot hold "
+                     "to the centimetre; write LAS, or begin the odometry near zero");
   }
 }
 

@@ -266,9 +266,8 @@ class ProductWriter {
   /// Compression takes long and uses one thread: the picture is drawn at the same time.
   void write_point_files() {
     std::vector<std::string> formats;
-    for (const MapFormat& format : map_formats()) {
-      if (format.write_points != nullptr && is_selected(format.name))
-        formats.emplace_back(format.name);
+    for (const std::string& format : point_formats()) {
+      if (is_selected(format)) formats.push_back(format);
     }
     if (formats.empty()) return;
     ConcurrentTask concurrent_task;
@@ -417,6 +416,14 @@ std::vector<std::string> single_file_formats() {
   std::vector<std::string> names;
   for (const MapFormat& format : map_formats()) {
     if (format.single_file) names.emplace_back(format.name);
+  }
+  return names;
+}
+
+std::vector<std::string> point_formats() {
+  std::vector<std::string> names;
+  for (const MapFormat& format : map_formats()) {
+    if (format.write_points != nullptr) names.emplace_back(format.name);
   }
   return names;
 }

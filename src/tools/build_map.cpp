@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "lidar_mapping/common/text.hpp"
+
 #include "command_line/number_checks.hpp"
 #include "command_line/process_memory.hpp"
 #include "command_line/run_command.hpp"
@@ -51,9 +53,11 @@ void add_arguments(CLI::App& app, Options& options) {
                  "with --scans: edge of the voxels to which scans are thinned, m; 0 keeps all "
                  "points; as the key frames if left out")
       ->check(not_negative());
-  app.add_flag("--utm", options.output.products.utm,
-               "pcd and ply in UTM, relative to the datum: map.pcd.utm has easting, northing and "
-               "height to add (las always is in UTM)");
+  app.add_flag(
+      "--utm", options.output.products.utm,
+      joined(map::point_formats()) +
+          " in UTM, relative to the datum: map.pcd.utm and its like have easting, northing "
+          "and height to add (las always is in UTM)");
   app.add_flag("--keep-moving", options.output.keep_moving, "leave points of moving objects in");
   app.add_flag("--keep-outdated", options.output.products.keep_outdated,
                "leave in what later visits have looked through");

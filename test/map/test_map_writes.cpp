@@ -17,8 +17,10 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/top_view.hpp"
+#include "lidar_mapping/map/write_products.hpp"
 
 #include "file_content.hpp"
+#include "map_formats.hpp"
 #include "map_products.hpp"
 #include "temporary_folder.hpp"
 
@@ -64,7 +66,7 @@ PointCloud cloud_of(int points) {
 void write_all(const fs::path& directory, int points) {
   const PointCloud cloud = cloud_of(points);
   const TileSource tiles = row_of_tiles(Eigen::Vector3d::Zero(), points / kTiles);
-  save_map(cloud, {}, directory, {});
+  save_map(cloud, {}, directory, point_formats());
   write_las(directory / "map.las", tiles, std::nullopt, 200.0F);
   save_tiles(tiles, kTileSize, directory / "pointcloud_map");
   save_grid(cloud, {}, directory);
@@ -97,8 +99,10 @@ TEST(MapProducts, RejectFloatsFarFromTheOrigin) {
   PointCloud far;
   far.points = {{432'000.0F, 5'412'000.0F, 0.0F, 0.0F}};
   EXPECT_THROW(save_map(far, {}, folder.path(), {}), InputError);
-  EXPECT_THROW(write_pcd(folder.path() / "part.pcd", far), InputError);
-  EXPECT_THROW(write_ply(folder.path() / "part.ply", far), InputError);
+  for (const std::string& format : point_formats()) {
+    EXPECT_THROW(find_format(format)->write_points(folder.path() / "part", far), InputError)
+        << format;
+  }
   const Eigen::Vector3d corner(432'000.0, 5'412'000.0, 0.0);
   EXPECT_THROW(save_tiles(row_of_tiles(corner, 10), kTileSize, folder.path() / "tiles"),
                InputError);
@@ -132,9 +136,20 @@ void expect_complete(const fs::path& directory, std::size_t points) {
   }
 }
 
+/// The files of points that are there are those of the other folder.
+void expect_same_points(const fs::path& directory, const fs::path& whole) {
+  for (const std::string& format : point_formats()) {
+    const std::string name = "map." + format;
+    if (!fs::exists(directory / name)) continue;
+    EXPECT_TRUE(content_of(directory / name) == content_of(whole / name)) << name;
+  }
+}
+
 // After a kill at any moment all files are complete, and the next run succeeds.
 TEST(MapProducts, StayCompleteAfterKillAtAnyMoment) {
   constexpr int kPoints = 40'000;
+  const TemporaryFolder whole;
+  write_all(whole.path(), kPoints);
   const TemporaryFolder folder;
   for (int round = 0; round < 10; ++round) {
     const pid_t child = ::fork();
@@ -146,6 +161,7 @@ TEST(MapProducts, StayCompleteAfterKillAtAnyMoment) {
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     expect_complete(folder.path(), kPoints);
+    expect_same_points(folder.path(), whole.path());
   }
   write_all(folder.path(), kPoints);
   expect_complete(folder.path(), kPoints);
@@ -162,12 +178,15 @@ int write_to_a_full_disk(const fs::path& directory) {
   ::setrlimit(RLIMIT_FSIZE, &limit);
   const PointCloud cloud = cloud_of(100'000);
   const TileSource tiles = row_of_tiles(Eigen::Vector3d::Zero(), 25'000);
-  const std::vector<std::pair<std::string, std::function<void()>>> writes = {
-      {"map.pcd", [&] { write_pcd(directory / "map.pcd", cloud); }},
-      {"map.ply", [&] { write_ply(directory / "map.ply", cloud); }},
+  std::vector<std::pair<std::string, std::function<void()>>> writes = {
       {"map.las", [&] { write_las(directory / "map.las", tiles, std::nullopt, 200.0F); }},
       {"0_0.pcd", [&] { save_tiles(tiles, kTileSize, directory / "pointcloud_map"); }},
       {"grid.pgm", [&] { save_grid(cloud, {0.01}, directory); }}};
+  for (const std::string& format : point_formats()) {
+    const std::string name = "map." + format;
+    writes.emplace_back(
+        name, [&, format, name] { find_format(format)->write_points(directory / name, cloud); });
+  }
   int silent = 0;
   for (const auto& [name, write] : writes) {
     try {

@@ -8,6 +8,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "clouds/point_fields.hpp"
 #include "decoded_cloud.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -176,6 +177,14 @@ TEST(PointLayouts, ReadsIntensitiesOfAnyType) {
   expect_intensities<std::int32_t>(PointField::INT32);
   expect_intensities<float>(PointField::FLOAT32);
   expect_intensities<double>(PointField::FLOAT64);
+}
+
+TEST(PointLayouts, ReadsIntensitiesUnderEveryName) {
+  for (const char* name : kIntensityNames) {
+    auto message = xyz_cloud({{name, PointField::UINT8, 12}}, 16, kCount);
+    put(message, 5, 12, std::uint8_t{200});
+    EXPECT_EQ(decode(message, {}).scan.cloud.points[5].intensity, 200.0F) << name;
+  }
 }
 
 TEST(PointLayouts, TakesCloudsOfCoordinatesAlone) {

@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "clouds/point_fields.hpp"
 #include "decoded_cloud.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -120,8 +121,10 @@ TEST(PointTimes, ReadsCountsOfEightBytes) {
   }
 }
 
-TEST(PointTimes, ReadsTimesUnderOtherNames) {
-  for (const char* name : {"ts", "TIME", "time_offset_ns", "t_ns", "timestamp_ns", "stamp"}) {
+TEST(PointTimes, ReadsTimesUnderEveryName) {
+  std::vector<std::string> names(kTimeNames.begin(), kTimeNames.end());
+  names.emplace_back("TIME");  // they may be of any case
+  for (const std::string& name : names) {
     auto message = xyz_cloud({{name, PointField::UINT32, 12}}, 16, kCount);
     for (std::size_t i = 0; i < kCount; ++i) {
       put(message, i, 12, static_cast<std::uint32_t>(std::lround(1e8 * fraction(i))));

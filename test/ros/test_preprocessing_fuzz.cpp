@@ -13,11 +13,20 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "cloud_builder.hpp"
+#include "clouds/point_fields.hpp"
 
 // Random and truncated messages through decoder and stage. FUZZ_SECONDS lets it run longer, for
 // instance with -fsanitize=address,undefined.
 namespace lidar_mapping::ros_border {
 namespace {
+
+/// The coordinates come first.
+std::vector<const char*> field_names_of_drivers() {
+  std::vector<const char*> names = {"x", "y", "z", "ring", "time_nsec"};
+  names.insert(names.end(), kIntensityNames.begin(), kIntensityNames.end());
+  names.insert(names.end(), kTimeNames.begin(), kTimeNames.end());
+  return names;
+}
 
 class Fuzz {
  public:
@@ -53,15 +62,13 @@ class Fuzz {
   }
 
   sensor_msgs::PointCloud2 cloud() {
-    static const char* const kNames[] = {"x",    "y",           "z",        "intensity",
-                                         "ring", "time",        "t",        "timestamp",
-                                         "i",    "offset_time", "time_sec", "time_nsec"};
+    static const std::vector<const char*> kNames = field_names_of_drivers();
     std::vector<test::FieldLayout> fields;
     std::uint32_t offset = 0;
     const std::uint32_t count = 3 + below(6);
     for (std::uint32_t f = 0; f < count; ++f) {
       const bool plain = f < 3 && !chance(30);
-      fields.push_back({kNames[plain ? f : below(12)],
+      fields.push_back({kNames[plain ? f : below(static_cast<std::uint32_t>(kNames.size()))],
                         static_cast<std::uint8_t>(plain ? 7 : below(chance(20) ? 256 : 11)),
                         chance(40) ? static_cast<std::uint32_t>(engine_()) : offset});
       offset += plain ? 4 : 1 + below(8);

@@ -108,7 +108,9 @@ TEST_F(MapBag, TakesTheNameOfASensorAndListsThemWhereItIsUnknown) {
   const TemporaryFolder parent;
   EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--sensor", "vlp61"}), 1);
   EXPECT_TRUE(has_said("vlp61")) << said();
-  EXPECT_TRUE(has_said("kitti, livox, os1, robosense, vlp16")) << said();
+  for (const auto& sensor : fs::directory_iterator("../config/sensors")) {
+    EXPECT_TRUE(has_said(sensor.path().stem().string())) << sensor.path() << said();
+  }
   EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--sensor", "vlp16", "--no-map"}), 0)
       << said();
 }

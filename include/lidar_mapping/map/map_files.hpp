@@ -34,13 +34,13 @@ struct ConcurrentTask {
   int threads = 1;  ///< With 1 the work is done after writing; 0: all cores.
 };
 
-/// Writes map.pcd (write_pcd()) and map.ply (binary), as selected by `formats` (empty: both), and
-/// map.yaml (frame, datum, resolution, number of points, bounds) beside them; in UTM also
-/// map.pcd.utm, which holds easting, northing and height of the origin. The origin is not added to
-/// the points, because floats would lose precision. A file appears completely or not at all. Throws
-/// InputError for another format or an empty map, and FileError if the disk fails or if the folder
-/// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it); in
-/// these cases `concurrent_task` has not started.
+/// Writes map.<format> for each of `formats` (empty: pcd and ply), which are of point_formats(),
+/// and map.yaml (frame, datum, resolution, number of points, bounds) beside them; in UTM also
+/// map.<format>.utm, which holds easting, northing and height of the origin. The origin is not
+/// added to the points, because floats would lose precision. A file appears completely or not at
+/// all. Throws InputError for another format or an empty map, and FileError if the disk fails or if
+/// the folder holds one of the files without a map.yaml beside it, so that it does not come from
+/// this package; in these cases `concurrent_task` has not started.
 Files save_map(const CloudParts& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats,
                const ConcurrentTask& concurrent_task = {});

@@ -28,6 +28,10 @@ std::string product_format_help();
 /// Formats that put the map into one file, whose extension is the name of the format.
 std::vector<std::string> single_file_formats();
 
+/// Formats that hold nothing but points, as floats: "pcd", "ply". Their files are named by the
+/// format, too.
+std::vector<std::string> point_formats();
+
 /// The box of the corners x0 y0 z0 x1 y1 z1 in m; none if `corners` is empty. Throws InputError for
 /// any other number of values, and for an empty box.
 std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners);
@@ -44,8 +48,8 @@ struct ProductOptions {
   std::optional<Eigen::Vector3d> p_base_sensor;
   /// Box of the map frame, m; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> crop;
-  /// Writes pcd and ply in UTM relative to the datum. (las is always in UTM, the other formats in
-  /// the map frame.)
+  /// Writes point_formats() in UTM relative to the datum. (las is always in UTM, the other formats
+  /// in the map frame.)
   bool utm = false;
   std::string name = "map";  ///< Name of single files, without extension.
   bool keep_moving = false;  ///< Keeps the points of moving objects in the map.

@@ -21,13 +21,13 @@ struct DecodedCloud {
   CloudFormat format;           ///< what the message held
 };
 
-/// A PointCloud2 of any driver: x y z as FLOAT32 or FLOAT64, intensity from `intensity`, `i` or
-/// `reflectivity`, times from `time`, `t`, `timestamp`, `time_stamp`, `offset_time`, `time_offset`
-/// or their like (in any case) of any number type, in the unit that fits the scan's period (or
-/// point_time_unit), relative or absolute; also from two fields, such as `time_sec` and `time_nsec`
-/// or `timestamp_h` and `timestamp_l`. All points are kept in their order, also those that are not
-/// finite. Throws InputError for big-endian data, missing coordinates, fields outside of the point
-/// and data that are shorter than the header says. The memory of `buffer` is used again.
+/// A PointCloud2 of any driver: x y z as FLOAT32 or FLOAT64, and intensities and times of any
+/// number type from the fields that drivers have for them (kIntensityNames and kTimeNames in
+/// point_fields.hpp). Times are of the unit that fits the scan's period (or point_time_unit),
+/// relative or absolute; also in two fields, such as `time_sec` and `time_nsec` or `timestamp_h`
+/// and `timestamp_l`. All points are kept in their order, also those that are not finite. Throws
+/// InputError for big-endian data, missing coordinates, fields outside of the point and data that
+/// are shorter than the header says. The memory of `buffer` is used again.
 DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
                     PointCloud buffer = {});
 /// The same, but points of the usual layout stay packed in the message's data, which `memory` keeps

@@ -11,12 +11,13 @@
 
 namespace lidar_mapping::ros_border {
 
-// Names that drivers give to the fields of a point beside its coordinates.
-constexpr std::array<const char*, 4> kIntensityNames = {"intensity", "i", "reflectivity",
-                                                        "intensities"};
+// Names that drivers give to the fields of a point beside its coordinates. The decoder and its
+// tests take them from here alone. Of several fields of a cloud the one whose name comes first is
+// used.
+inline constexpr std::array kIntensityNames = {"intensity", "i", "reflectivity", "intensities"};
 /// In lower case; in a cloud they may be of any case. Times in two fields are found by
 /// time_fields().
-constexpr std::array<const char*, 15> kTimeNames = {
+inline constexpr std::array kTimeNames = {
     "time",         "t",       "timestamp",      "time_stamp", "offset_time",
     "time_offset",  "ts",      "stamp",          "time_ns",    "t_ns",
     "timestamp_ns", "time_us", "time_offset_ns", "time_sec",   "stamps"};

@@ -36,11 +36,14 @@ RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
   return cloud;
 }
 
+/// A type of message with one of its definitions, and how a cloud is read from it.
 struct Reader {
   CloudType type;
   RecordedCloud (*read)(ros::serialization::IStream stream);
 };
 
+/// All code that has to know the types uses this table. Of several definitions of a type the first
+/// is that of ROS 2.
 const std::vector<Reader>& readers() {
   using ros::message_traits::MD5Sum;
   // The MD5 sums of types of drivers are those of the packages' message definitions.
