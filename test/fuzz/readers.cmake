@@ -96,4 +96,8 @@ function(lidar_mapping_sanitized_library name)
   # The checks of the sanitizers hide from GCC that what it warns of is never read.
   target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(${name} PUBLIC -fsanitize=${reader_sanitizers})
+  if(LIDAR_MAPPING_PRECOMPILE)
+    target_precompile_headers(${name} PRIVATE ${LIDAR_MAPPING_COMMON_HEADERS}
+                                              ${LIDAR_MAPPING_MESSAGE_HEADERS})
+  endif()
 endfunction()
