@@ -111,6 +111,24 @@ TEST(CheckHeaders, NamesNoFrameThatIsNotThere) {
   EXPECT_EQ(report.diagnostics[0].text, "the messages name no frame");
 }
 
+TEST(CheckHeaders, NamesSeveralFramesOnOneTopic) {
+  TopicStatistics topic = topic_of({0.0, 0.1});
+  topic.add(at(0.2), "rear");
+  const InputReport report = check_headers("imu", topic, lookup);
+  EXPECT_EQ(report.found, "10.0 Hz, frame imu");
+  ASSERT_EQ(report.diagnostics.size(), 1U) << problems_of(report);
+  EXPECT_EQ(report.diagnostics[0].text, "the messages name several frames, 'imu' and 'rear'");
+}
+
+TEST(CheckHeaders, FindsATransformThatIsLongerThanAVehicle) {
+  const auto in_millimetres = [](const std::string&) -> std::optional<Pose> {
+    return Pose{Eigen::Quaterniond::Identity(), {760.0, 0.0, 1730.0}};
+  };
+  const InputReport report = check_headers("imu", topic_of({0.0, 0.1}), in_millimetres);
+  ASSERT_EQ(report.diagnostics.size(), 1U) << problems_of(report);
+  EXPECT_EQ(report.diagnostics[0].text, "the transform puts 'imu' 1890 m from the vehicle's frame");
+}
+
 TEST(CheckHeaders, TakesStampsOfZeroAndUnorderedOnesForFaults) {
   TopicStatistics zero;
   for (int i = 0; i < 3; ++i) zero.add(0, "imu");

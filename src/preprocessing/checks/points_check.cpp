@@ -66,8 +66,8 @@ void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
   const double span = cloud.last_time - cloud.first_time;
   const bool from_start = !cloud.time_field.empty() && !cloud.absolute_times &&
                           cloud.first_time > -0.1 * span && config.scan_stamp == ScanStamp::kStart;
-  if (!from_start || points.delays.empty()) return;
-  const double delay = median(points.delays);
+  if (!from_start || points.topic.delays.empty()) return;
+  const double delay = median(points.topic.delays);
   if (delay < kMinDelay || delay > kMaxDelayOfMiddle * span) return;
   add_warning(
       report,
@@ -93,6 +93,10 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
     check_times(cloud, points.topic.rate(), config, report);
   }
   check_stamps(points, config, report);
+  if (cloud.extent) {
+    check_extent(*cloud.extent, report);
+    check_place(points.topic.frame(), lookup, report);
+  }
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");

@@ -9,8 +9,10 @@ std::string without_leading_slash(const std::string& frame_id) {
   return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
 }
 
-void TopicStatistics::add(Stamp stamp, const std::string& frame) {
-  frame_id = frame;
+void TopicStatistics::add(Stamp stamp, const std::string& frame, std::optional<double> delay) {
+  if (count == 0) frame_id = frame;
+  if (frame != frame_id && other_frame_id.empty()) other_frame_id = frame;
+  if (delay && delays.size() < kMaxDelays) delays.push_back(*delay);
   if (count++ == 0) {
     first = newest = stamp;
     return;
@@ -39,6 +41,18 @@ void add_warning(InputReport& report, const std::string& text, const std::string
   report.diagnostics.push_back({Severity::kWarning, text, remedy});
 }
 
+void check_place(const std::string& frame, const ExtrinsicLookup& lookup, InputReport& report) {
+  // m. Chosen: longer than any vehicle; a sensor 0.1 m from base_link is there in millimetres.
+  constexpr double kMaxDistance = 100.0;
+  const auto T_base_sensor = lookup(frame);
+  const double distance = T_base_sensor ? T_base_sensor->translation.norm() : 0.0;
+  if (distance < kMaxDistance) return;
+  add_fault(
+      report,
+      formatted("the transform puts '%s' %.0f m from the vehicle's frame", frame.c_str(), distance),
+      "transforms are in metres (REP 103); correct its publisher");
+}
+
 InputReport check_headers(const std::string& input, const TopicStatistics& topic,
                           const ExtrinsicLookup& lookup) {
   InputReport report{input, "nothing came", {}};
@@ -57,6 +71,13 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
         report, "no transform from '" + frame + "' to the vehicle's frame",
         without + "publish it on /tf_static (static_transform_publisher), or set base_frame");
   }
+  if (!topic.other_frame_id.empty()) {
+    add_warning(report,
+                "the messages name several frames, '" + topic.frame_id + "' and '" +
+                    topic.other_frame_id + "'",
+                "give each sensor a topic of its own, or each frame a transform");
+  }
+  if (input != "points") check_place(frame, lookup, report);  // clouds may be in a moving frame
   if (frame != topic.frame_id) {
     add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
                 "it is left out here; correct the driver");

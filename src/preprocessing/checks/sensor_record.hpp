@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,15 +17,21 @@ std::string without_leading_slash(const std::string& frame_id);
 
 /// Statistics of the headers of a topic.
 struct TopicStatistics {
+  /// Four minutes at 200 Hz; chosen, bounds the memory.
+  static constexpr std::size_t kMaxDelays = 50000;
+
   std::size_t count = 0;
   std::size_t backward = 0;  ///< stamps that are not later than all previous ones
   Stamp first = 0;
   Stamp newest = 0;
   Stamp longest_gap = 0;
   Stamp gap_begin = 0;
-  std::string frame_id;
+  std::string frame_id;        ///< of the first message
+  std::string other_frame_id;  ///< of the first message with another one; empty without
+  std::vector<double> delays;  ///< s from the stamps to the deliveries, where known, up to a limit
 
-  void add(Stamp stamp, const std::string& frame);
+  /// `delay`: s from the stamp to the delivery, if it is known.
+  void add(Stamp stamp, const std::string& frame, std::optional<double> delay = std::nullopt);
   double rate() const;  ///< Hz
   std::string frame() const { return without_leading_slash(frame_id); }
 };
@@ -46,6 +53,9 @@ struct SensorRecord {
 /// Checks the headers of an input: rate, frame, transform, stamps.
 InputReport check_headers(const std::string& input, const TopicStatistics& topic,
                           const ExtrinsicLookup& lookup);
+
+/// Adds a fault if the transform of that frame is longer than a vehicle.
+void check_place(const std::string& frame, const ExtrinsicLookup& lookup, InputReport& report);
 
 void add_fault(InputReport& report, const std::string& text, const std::string& remedy);
 void add_warning(InputReport& report, const std::string& text, const std::string& remedy);
