@@ -111,6 +111,17 @@ TEST(CheckHeaders, NamesNoFrameThatIsNotThere) {
   EXPECT_EQ(report.diagnostics[0].text, "the messages name no frame");
 }
 
+TEST(CheckHeaders, TellsAClockThatWasSetBackFromTwoPublishers) {
+  const std::string set_back = problems_of(
+      check_headers("imu", topic_of({0.0, 0.1, 0.2, 0.3, 0.4, -0.1, 0.0, 0.1, 0.2}), lookup));
+  EXPECT_EQ(set_back.find("FAULT the clock of the stamps was set back by 0.5 s: the 4 messages"),
+            0U)
+      << set_back;
+  const std::string two = problems_of(
+      check_headers("imu", topic_of({0.0, 0.5, 0.1, 0.6, 0.2, 0.7, 0.3, 0.8, 0.4}), lookup));
+  EXPECT_EQ(two.find("FAULT 4 of 9 stamps do not increase: two publishers"), 0U) << two;
+}
+
 TEST(CheckHeaders, NamesSeveralFramesOnOneTopic) {
   TopicStatistics topic = topic_of({0.0, 0.1});
   topic.add(at(0.2), "rear");

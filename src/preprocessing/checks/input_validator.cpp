@@ -27,6 +27,8 @@ void InputValidator::add_scan(const CloudSummary& cloud) {
     return;
   }
   records_->points.cloud = cloud;
+  if (!cloud.time_field.empty()) ++records_->points.timed;
+  if (cloud.foreign_clock) ++records_->points.of_other_clock;
   // Of two sensors on one topic the ends of the sweeps do not join.
   if (cloud.frame_id == records_->points.topic.frame_id) records_->points.seam.add(cloud);
 }
@@ -60,13 +62,24 @@ void InputValidator::add_gnss(const GnssFix& fix, const std::string& frame_id,
 
 std::vector<InputReport> InputValidator::report(const ExtrinsicLookup& lookup) const {
   const Records& r = *records_;
-  // Fixes are not compared with speeds in another unit.
-  const auto scale = speed_scale(r.velocity, r.gnss, config_);
+  // Fixes are not compared with anything if they are mirrored, nor with speeds in another unit.
+  const bool mirrored = fixes_are_mirrored(r.gnss, r.imu, lookup, config_);
+  GnssRecord gnss = r.gnss;
+  if (mirrored) gnss.usable.samples.clear();
+  const auto scale = speed_scale(r.velocity, gnss, config_);
   const bool compares = !scale || is_true_scale(*scale);
   std::vector<InputReport> reports = {
       check(r.points, lookup, config_), check(r.imu, r.velocity, lookup, config_),
-      check(r.velocity, r.gnss, lookup, config_),
-      check(r.gnss, r.imu, compares ? r.velocity : VelocityRecord{}, lookup, config_)};
+      check(r.velocity, gnss, lookup, config_),
+      check(gnss, r.imu, compares ? r.velocity : VelocityRecord{}, lookup, config_)};
+  if (compares && reports[2].diagnostics.empty()) {
+    check_accelerations(r.velocity, r.imu, lookup, config_, reports[2]);
+  }
+  if (mirrored) {
+    add_fault(reports[3], "the fixes turn to the left where the IMU turns to the right",
+              "latitude and longitude are swapped, or the IMU's z axis points down; correct the "
+              "driver or the IMU's transform");
+  }
   const TopicStatistics& points = r.points.topic;
   check_clock(r.imu.topic, points, "imu_time_offset", config_.imu_time_offset, reports[1]);
   check_clock(r.velocity.topic, points, "velocity_time_offset", config_.velocity_time_offset,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "checks/sensor_record.hpp"
 
+#include <algorithm>
+
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -13,6 +15,10 @@ void TopicStatistics::add(Stamp stamp, const std::string& frame, std::optional<d
   if (count == 0) frame_id = frame;
   if (frame != frame_id && other_frame_id.empty()) other_frame_id = frame;
   if (delay && delays.size() < kMaxDelays) delays.push_back(*delay);
+  const Stamp step_back = count > 0 ? last_ - stamp : 0;
+  last_ = stamp;
+  if (step_back > 0) ++steps_back;
+  longest_step_back = std::max(longest_step_back, step_back);
   if (count++ == 0) {
     first = newest = stamp;
     return;
@@ -31,6 +37,15 @@ void TopicStatistics::add(Stamp stamp, const std::string& frame, std::optional<d
 double TopicStatistics::rate() const {
   const double seconds = to_seconds(newest - first);
   return seconds > 0.0 ? static_cast<double>(count - 1) / seconds : 0.0;
+}
+
+bool TopicStatistics::was_set_back() const {
+  // Chosen: two publishers on one topic, or messages out of order, step back with every message.
+  constexpr std::size_t kFewSteps = 3;
+  // Messages until the time is reached again; chosen: a stray stamp is one alone.
+  constexpr std::size_t kMinMessages = 3;
+  return steps_back > 0 && steps_back <= kFewSteps && backward > kMinMessages * steps_back &&
+         longest_step_back > longest_gap;
 }
 
 void add_fault(InputReport& report, const std::string& text, const std::string& remedy) {
@@ -85,6 +100,14 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
   if (topic.newest == 0) {
     add_fault(report, "the stamps are 0",
               "the driver must stamp its messages; map_bag takes the times of their recording");
+  } else if (topic.was_set_back()) {
+    add_fault(report,
+              formatted("the clock of the stamps was set back by %.1f s",
+                        to_seconds(topic.longest_step_back)),
+              formatted("the %zu messages of that time are left out; synchronise clocks before "
+                        "recording, and map the parts before and after by themselves (map_bag "
+                        "--start, --duration)",
+                        topic.backward));
   } else if (topic.backward > 0) {
     add_fault(report, formatted("%zu of %zu stamps do not increase", topic.backward, topic.count),
               "two publishers on one topic, or a recording that starts again; keep one of them");

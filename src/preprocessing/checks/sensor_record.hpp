@@ -21,7 +21,9 @@ struct TopicStatistics {
   static constexpr std::size_t kMaxDelays = 50000;
 
   std::size_t count = 0;
-  std::size_t backward = 0;  ///< stamps that are not later than all previous ones
+  std::size_t backward = 0;    ///< stamps that are not later than all previous ones
+  std::size_t steps_back = 0;  ///< stamps that are earlier than the one before
+  Stamp longest_step_back = 0;
   Stamp first = 0;
   Stamp newest = 0;
   Stamp longest_gap = 0;
@@ -32,8 +34,12 @@ struct TopicStatistics {
 
   /// `delay`: s from the stamp to the delivery, if it is known.
   void add(Stamp stamp, const std::string& frame, std::optional<double> delay = std::nullopt);
-  double rate() const;  ///< Hz
+  double rate() const;        ///< Hz
+  bool was_set_back() const;  ///< the clock, once or a few times
   std::string frame() const { return without_leading_slash(frame_id); }
+
+ private:
+  Stamp last_ = 0;  ///< stamp of the last message
 };
 
 /// The messages of a sensor: statistics of their headers and, up to a limit, the usable samples.
