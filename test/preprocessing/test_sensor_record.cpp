@@ -122,6 +122,14 @@ TEST(CheckHeaders, TellsAClockThatWasSetBackFromTwoPublishers) {
   EXPECT_EQ(two.find("FAULT 4 of 9 stamps do not increase: two publishers"), 0U) << two;
 }
 
+TEST(CheckHeaders, TellsMessagesThatCameTwice) {
+  const std::string twice =
+      problems_of(check_headers("imu", topic_of({0.0, 0.0, 0.1, 0.1, 0.2}), lookup));
+  EXPECT_EQ(twice.find("FAULT 2 of 5 messages have the stamp of the one before: they are left out"),
+            0U)
+      << twice;
+}
+
 TEST(CheckHeaders, NamesSeveralFramesOnOneTopic) {
   TopicStatistics topic = topic_of({0.0, 0.1});
   topic.add(at(0.2), "rear");

@@ -16,6 +16,7 @@ void TopicStatistics::add(Stamp stamp, const std::string& frame, std::optional<d
   if (frame != frame_id && other_frame_id.empty()) other_frame_id = frame;
   if (delay && delays.size() < kMaxDelays) delays.push_back(*delay);
   const Stamp step_back = count > 0 ? last_ - stamp : 0;
+  if (count > 0 && step_back == 0) ++repeated;
   last_ = stamp;
   if (step_back > 0) ++steps_back;
   longest_step_back = std::max(longest_step_back, step_back);
@@ -108,6 +109,12 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
                         "recording, and map the parts before and after by themselves (map_bag "
                         "--start, --duration)",
                         topic.backward));
+  } else if (topic.repeated > 0 && topic.repeated == topic.backward) {
+    add_fault(report,
+              formatted("%zu of %zu messages have the stamp of the one before", topic.repeated,
+                        topic.count),
+              "they are left out; right if bags overlap or one was named twice, else correct the "
+              "driver");
   } else if (topic.backward > 0) {
     add_fault(report, formatted("%zu of %zu stamps do not increase", topic.backward, topic.count),
               "two publishers on one topic, or a recording that starts again; keep one of them");

@@ -22,6 +22,7 @@ struct TopicStatistics {
 
   std::size_t count = 0;
   std::size_t backward = 0;    ///< stamps that are not later than all previous ones
+  std::size_t repeated = 0;    ///< stamps that are equal to the one before
   std::size_t steps_back = 0;  ///< stamps that are earlier than the one before
   Stamp longest_step_back = 0;
   Stamp first = 0;
