@@ -29,6 +29,17 @@ TEST(RecordedFrames, AStampWithoutRoomBehindItIsLeftOut) {
   EXPECT_EQ(frames.T_base("lidar")->translation.z(), 2.0);
 }
 
+TEST(RecordedFrames, ATransformThatComesTwiceIsTakenOnceWithoutAWord) {
+  RecordedFrames frames("base_link");
+  testing::internal::CaptureStderr();
+  for (const double stamp : {100.0, 100.0, 100.1}) {
+    frames.add(height_of("lidar", ros::Time(stamp), stamp), false);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  ASSERT_TRUE(frames.T_base("lidar"));
+  EXPECT_EQ(frames.T_base("lidar")->translation.z(), 100.1);
+}
+
 /// A turn to the left by a quarter, as a person types it.
 TEST(RecordedFrames, ARoundedRotationIsTaken) {
   RecordedFrames frames("base_link");

@@ -28,7 +28,8 @@ constexpr double kMinCorrelation = 0.9;
 // tenth; units and signs are farther off.
 constexpr double kLeastRatio = 0.5;
 constexpr double kLargestRatio = 2.0;
-// m/s^2 of the mean acceleration, as in check_gravity(): without gravity the unit is not known.
+// m/s^2 of the mean acceleration. Chosen as in check_gravity(): without gravity the unit is not
+// known.
 constexpr double kLeastGravity = 8.8;
 constexpr double kLargestGravity = 10.8;
 

@@ -63,6 +63,7 @@ void RecordedFrames::add(const tf2_msgs::TFMessage& message, bool is_static) {
       continue;
     }
     normalise(transform.transform.rotation);
+    if (!is_static && is_repeated(transform)) continue;
     try {
       frames_.setTransform(transform, "recording", is_static);
     } catch (const std::runtime_error&) {
@@ -70,6 +71,15 @@ void RecordedFrames::add(const tf2_msgs::TFMessage& message, bool is_static) {
       // that is left out.
     }
   }
+}
+
+/// tf2 prints a line for each of these, and two publishers of one transform make thousands.
+bool RecordedFrames::is_repeated(const geometry_msgs::TransformStamped& transform) {
+  const auto [newest, is_first] = newest_.emplace(transform.child_frame_id, transform.header.stamp);
+  if (is_first) return false;
+  const bool is_repeated = newest->second == transform.header.stamp;
+  newest->second = transform.header.stamp;
+  return is_repeated;
 }
 
 std::optional<Pose> RecordedFrames::T_base(const std::string& frame) const {
