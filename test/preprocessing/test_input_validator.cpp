@@ -162,6 +162,15 @@ TEST(InputValidator, FindsTheUnitAndTheSignOfAVelocityByTheImu) {
   }
 }
 
+TEST(InputValidator, AcceptsTheTimesOfAPartOfTheTurn) {
+  Messages messages = clean();
+  for (CloudSummary& cloud : messages.clouds) {
+    cloud.first_time = 0.03;
+    cloud.last_time = 0.06;
+  }
+  EXPECT_EQ(all_faults(messages), "");
+}
+
 TEST(InputValidator, FindsPartsOfTurns) {
   const Stamp start = clean().clouds.front().stamp;
   Messages messages = clean();

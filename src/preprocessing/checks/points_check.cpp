@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/text.hpp"
@@ -24,9 +25,18 @@ bool is_one_turn(double span, double period) {
   return span >= 0.5 * period && span <= 1.5 * period;
 }
 
+/// True if a sensor that sees a part of its turn, as others do of their view, turns as configured.
+bool is_part_of_turn(double span, double rate, double period) {
+  constexpr double kLeastPart = 0.1;      // of a turn, 36 degrees; chosen: the narrowest usual view
+  constexpr double kMaxDifference = 0.2;  // of the periods; chosen: some scans may be lost
+  return span >= kLeastPart * period && span <= period &&
+         std::abs(1.0 / rate - period) < kMaxDifference * period;
+}
+
 /// The span is one turn if it agrees with the parameter or with the time from scan to scan.
 void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
   if (is_one_turn(span, config.scan_period)) return;
+  if (rate > 0.0 && is_part_of_turn(span, rate, config.scan_period)) return;
   const std::string problem =
       formatted("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
   if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {

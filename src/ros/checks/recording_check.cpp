@@ -149,7 +149,11 @@ class RecordingValidator {
       : reader_(config),
         input_validator_(config),
         frames_(recording.base_frame),
-        clouds_move_(clouds_move) {}
+        clouds_move_(clouds_move) {
+    // Also what stands behind the checked part holds for all of the recording.
+    add_recorded_frames(*recording.bags, "/tf_static", std::numeric_limits<Stamp>::min(),
+                        std::numeric_limits<Stamp>::max(), frames_);
+  }
 
   void add(const BagMessage& message) try {
     if (const auto cloud = read_cloud(message)) {
