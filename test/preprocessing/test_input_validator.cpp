@@ -154,7 +154,8 @@ TEST(InputValidator, AcceptsTheTimesOfSlowAndFastSensors) {
 
 TEST(InputValidator, FindsTheUnitAndTheSignOfAVelocityByTheImu) {
   for (const auto& [scale, words] :
-       {std::pair{3.6, "it is in km/h"}, std::pair{-1.0, "its sign is wrong"}}) {
+       {std::pair{3.6, "it is in km/h"}, std::pair{-1.0, "its sign is wrong"},
+        std::pair{0.0, "it never changes"}}) {
     Messages messages = clean();
     messages.gnss.clear();
     for (VelocitySample& sample : messages.velocity) sample.linear *= scale;

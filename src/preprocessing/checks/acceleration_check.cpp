@@ -8,7 +8,6 @@
 
 #include "checks/input_checks.hpp"
 #include "checks/velocity_check.hpp"
-#include "motion/interpolation.hpp"
 #include "motion/time_offset.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -39,10 +38,11 @@ struct Accelerations {
   double by_velocity = 0.0;
 };
 
+/// Of the sensor itself: what its lever arm adds while turning is small, and not in its unit.
 std::vector<TimedValue> speeds_ahead(const VelocityRecord& velocity, const Pose& T_base_sensor) {
   std::vector<TimedValue> speeds;
   for (const VelocitySample& sample : velocity.samples) {
-    speeds.push_back({sample.stamp, in_base(sample, T_base_sensor).linear.x()});
+    speeds.push_back({sample.stamp, (T_base_sensor.rotation * sample.linear).x()});
   }
   return speeds;
 }
@@ -88,7 +88,8 @@ std::vector<Accelerations> accelerations(const std::vector<TimedValue>& speeds,
   return windows;
 }
 
-/// Slope of the accelerations by the velocity over the felt ones, if they belong together.
+/// Slope of the accelerations by the velocity over the felt ones, if they belong together; 0 of a
+/// velocity that never changes.
 std::optional<double> slope(const std::vector<Accelerations>& windows) {
   if (windows.size() < kMinWindows) return std::nullopt;
   const auto count = static_cast<double>(windows.size());
@@ -105,9 +106,10 @@ std::optional<double> slope(const std::vector<Accelerations>& windows) {
     fv += f * v;
     vv += v * v;
   }
-  const bool is_known =
-      std::sqrt(ff / count) > kMinDeviation && std::abs(fv) > kMinCorrelation * std::sqrt(ff * vv);
-  return is_known ? std::optional<double>(fv / ff) : std::nullopt;
+  if (std::sqrt(ff / count) < kMinDeviation) return std::nullopt;
+  if (vv == 0.0) return 0.0;
+  const bool belong_together = std::abs(fv) > kMinCorrelation * std::sqrt(ff * vv);
+  return belong_together ? std::optional<double>(fv / ff) : std::nullopt;
 }
 
 }  // namespace
@@ -122,7 +124,11 @@ void check_accelerations(const VelocityRecord& velocity, const ImuRecord& imu,
       slope(accelerations(speeds_ahead(velocity, *T_base_velocity),
                           forces_ahead(imu, *T_base_imu, si_factor(config.imu_acceleration_unit))));
   if (!ratio) return;
-  if (*ratio < 0.0) {
+  if (*ratio == 0.0) {
+    add_fault(report,
+              "it never changes, while the IMU feels that the vehicle gets faster or slower",
+              "look whether its sensor is connected, or set use_velocity to false");
+  } else if (*ratio < 0.0) {
     add_fault(report, "it decreases while the IMU feels that the vehicle gets faster",
               "its sign is wrong, or an x axis points backwards; correct its driver or the "
               "transform, or set use_velocity to false");
