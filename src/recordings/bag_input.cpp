@@ -147,8 +147,9 @@ class BagInput::Impl {
     ros_border::add_recorded_frames(bags_, "/tf_static", std::numeric_limits<Stamp>::min(),
                                     std::numeric_limits<Stamp>::max(), frames_);
     const auto scans = bags_.times_of({topics_.points});
-    const Stamp from = scans ? scans->first : 0;
-    ros_border::add_recorded_frames(bags_, "/tf", from, from + kFramesTime, frames_);
+    frames_from_ = scans ? scans->first : 0;
+    ros_border::add_recorded_frames(bags_, "/tf", frames_from_, frames_from_ + kFramesTime,
+                                    frames_);
   }
 
   /// Without a transform to base_link the LiDAR's frame is used as base_link.
@@ -166,7 +167,10 @@ class BagInput::Impl {
   /// Clouds in a frame in which the vehicle moves are taken back to the vehicle by all of /tf.
   void take_back_moving_clouds(const std::string& frame) {
     if (!ros_border::vehicle_moves_in(bags_, frames_.base_frame(), frame)) return;
+    // tf2 prints a line for each transform that it has already.
     ros_border::add_recorded_frames(bags_, "/tf", std::numeric_limits<Stamp>::min(),
+                                    frames_from_ - 1, frames_);
+    ros_border::add_recorded_frames(bags_, "/tf", frames_from_ + kFramesTime + 1,
                                     std::numeric_limits<Stamp>::max(), frames_);
     moving_frame_ = frame;
     frames_notice_ = "the scans are in '" + frame +
@@ -321,6 +325,7 @@ class BagInput::Impl {
   ros_border::CloudReader reader_;
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
+  Stamp frames_from_ = 0;     ///< begin of the part whose /tf was read first
   std::string moving_frame_;  ///< of scans that are taken back; empty if there are none
   std::string frames_notice_;
   OtherLidars others_{reach()};

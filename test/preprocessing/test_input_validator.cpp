@@ -152,6 +152,44 @@ TEST(InputValidator, AcceptsTheTimesOfSlowAndFastSensors) {
   }
 }
 
+TEST(InputValidator, FindsTheUnitAndTheSignOfAVelocityByTheImu) {
+  for (const auto& [scale, words] :
+       {std::pair{3.6, "it is in km/h"}, std::pair{-1.0, "its sign is wrong"},
+        std::pair{0.0, "it never changes"}}) {
+    Messages messages = clean();
+    messages.gnss.clear();
+    for (VelocitySample& sample : messages.velocity) sample.linear *= scale;
+    expect_fault(messages, words);
+  }
+}
+
+TEST(InputValidator, AcceptsTheTimesOfAPartOfTheTurn) {
+  Messages messages = clean();
+  for (CloudSummary& cloud : messages.clouds) {
+    cloud.first_time = 0.03;
+    cloud.last_time = 0.06;
+  }
+  EXPECT_EQ(all_faults(messages), "");
+}
+
+TEST(InputValidator, FindsPartsOfTurns) {
+  const Stamp start = clean().clouds.front().stamp;
+  Messages messages = clean();
+  for (CloudSummary& cloud : messages.clouds) {
+    cloud.stamp = start + (cloud.stamp - start) / 10;
+    cloud.last_time = 0.0099;
+  }
+  expect_fault(messages, "100 clouds a second of 100000 points are parts of turns");
+}
+
+TEST(InputValidator, FindsTimesThatCountFromTheStampInSomeScansOnly) {
+  Messages messages = clean();
+  for (std::size_t i = 0; i < messages.clouds.size(); ++i) {
+    messages.clouds[i].foreign_clock = i % 10 > 2;
+  }
+  expect_fault(messages, "as a clock that begins anew every second");
+}
+
 TEST(InputValidator, FindsLostScansAndDecreasingStamps) {
   Messages messages = clean();
   messages.clouds.erase(messages.clouds.begin() + 100, messages.clouds.begin() + 120);
@@ -159,6 +197,12 @@ TEST(InputValidator, FindsLostScansAndDecreasingStamps) {
   messages = clean();
   std::swap(messages.imu[100], messages.imu[101]);
   expect_fault(messages, "do not increase");
+}
+
+TEST(InputValidator, FindsSwappedLatitudesAndLongitudes) {
+  Messages messages = clean();
+  for (GnssFix& fix : messages.gnss) std::swap(fix.latitude_deg, fix.longitude_deg);
+  expect_fault(messages, "latitude and longitude are swapped");
 }
 
 TEST(InputValidator, FindsOutagesAndJumps) {
@@ -286,7 +330,7 @@ TEST(InputValidator, CountsRefusedFixesByTheKindOfTheirProblem) {
   EXPECT_NE(faults.find("10 fixes refused: height 20000 m is implausible (from -2000 to 12000 m)"),
             std::string::npos)
       << faults;
-  EXPECT_NE(faults.find("10 fixes refused: latitude or longitude out of range"), std::string::npos)
+  EXPECT_NE(faults.find("10 fixes refused: coordinates that are no degrees ("), std::string::npos)
       << faults;
 }
 

@@ -111,6 +111,43 @@ TEST(CheckHeaders, NamesNoFrameThatIsNotThere) {
   EXPECT_EQ(report.diagnostics[0].text, "the messages name no frame");
 }
 
+TEST(CheckHeaders, TellsAClockThatWasSetBackFromTwoPublishers) {
+  const std::string set_back = problems_of(
+      check_headers("imu", topic_of({0.0, 0.1, 0.2, 0.3, 0.4, -0.1, 0.0, 0.1, 0.2}), lookup));
+  EXPECT_EQ(set_back.find("FAULT the clock of the stamps was set back by 0.5 s: the 4 messages"),
+            0U)
+      << set_back;
+  const std::string two = problems_of(
+      check_headers("imu", topic_of({0.0, 0.5, 0.1, 0.6, 0.2, 0.7, 0.3, 0.8, 0.4}), lookup));
+  EXPECT_EQ(two.find("FAULT 4 of 9 stamps do not increase: two publishers"), 0U) << two;
+}
+
+TEST(CheckHeaders, TellsMessagesThatCameTwice) {
+  const std::string twice =
+      problems_of(check_headers("imu", topic_of({0.0, 0.0, 0.1, 0.1, 0.2}), lookup));
+  EXPECT_EQ(twice.find("FAULT 2 of 5 messages have the stamp of the one before: they are left out"),
+            0U)
+      << twice;
+}
+
+TEST(CheckHeaders, NamesSeveralFramesOnOneTopic) {
+  TopicStatistics topic = topic_of({0.0, 0.1});
+  topic.add(at(0.2), "rear");
+  const InputReport report = check_headers("imu", topic, lookup);
+  EXPECT_EQ(report.found, "10.0 Hz, frame imu");
+  ASSERT_EQ(report.diagnostics.size(), 1U) << problems_of(report);
+  EXPECT_EQ(report.diagnostics[0].text, "the messages name several frames, 'imu' and 'rear'");
+}
+
+TEST(CheckHeaders, FindsATransformThatIsLongerThanAVehicle) {
+  const auto in_millimetres = [](const std::string&) -> std::optional<Pose> {
+    return Pose{Eigen::Quaterniond::Identity(), {760.0, 0.0, 1730.0}};
+  };
+  const InputReport report = check_headers("imu", topic_of({0.0, 0.1}), in_millimetres);
+  ASSERT_EQ(report.diagnostics.size(), 1U) << problems_of(report);
+  EXPECT_EQ(report.diagnostics[0].text, "the transform puts 'imu' 1890 m from the vehicle's frame");
+}
+
 TEST(CheckHeaders, TakesStampsOfZeroAndUnorderedOnesForFaults) {
   TopicStatistics zero;
   for (int i = 0; i < 3; ++i) zero.add(0, "imu");

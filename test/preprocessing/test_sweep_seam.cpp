@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -23,7 +24,8 @@ std::vector<Eigen::Vector3f> posts(double way, int count) {
   return points;
 }
 
-/// Drives, and adds a sweep for each letter: 'r' a raw one, 'c' a compensated one.
+/// Drives, and adds a sweep for each letter: 'r' a raw one, 'c' a compensated one, 'b' a raw one
+/// whose times run backwards.
 struct Sweeps {
   double way_per_sweep = 1.0;  // m
   double period = 0.1;         // s, between the stamps of sweeps of 0.1 s
@@ -38,8 +40,9 @@ struct Sweeps {
       cloud.last_time = 0.1;
       cloud.begin_points = posts(way_per_sweep * number, posts_in_view);
       // In a compensated sweep all points are seen from where it began.
-      const double end = kinds[i] == 'r' ? number + 1.0 : number;
+      const double end = kinds[i] == 'c' ? number : number + 1.0;
       cloud.end_points = posts(way_per_sweep * end, posts_in_view);
+      if (kinds[i] == 'b') std::swap(cloud.begin_points, cloud.end_points);
       seam.add(cloud);
     }
     return seam;
@@ -55,6 +58,16 @@ TEST(SweepSeam, IsCompensatedAfterTenSeams) {
 
 TEST(SweepSeam, OfRawSweepsJoinsTheNextOne) {
   EXPECT_FALSE(Sweeps().of(sweeps(40, 'r')).is_compensated());
+}
+
+TEST(SweepSeam, OfTimesThatRunBackwardsJoinsTheOtherWayRound) {
+  Sweeps drive;
+  drive.way_per_sweep = 0.3;  // so near that the ends of one sweep fit each other, too
+  EXPECT_TRUE(drive.of(sweeps(11, 'b')).is_reversed());
+  EXPECT_FALSE(drive.of(sweeps(40, 'b')).is_compensated());
+  EXPECT_FALSE(drive.of(sweeps(10, 'b')).is_reversed()) << "nine seams";
+  EXPECT_FALSE(drive.of(sweeps(40, 'r')).is_reversed());
+  EXPECT_FALSE(drive.of(sweeps(40, 'c')).is_reversed());
 }
 
 // Each letter but the last one has a seam. Ten are more than four times two, and less than four

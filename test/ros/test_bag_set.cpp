@@ -66,6 +66,10 @@ TEST(BagSet, SaysWhatToDoAboutAFileThatCannotBeRead) {
   std::ofstream(text) << "no bag\n";
   EXPECT_NE(refusal(text).find("no bag"), std::string::npos);
   EXPECT_EQ(refusal(text).find("reindex"), std::string::npos);
+  const std::string packed = (folder.path() / "packed.bag.gz").string();
+  std::ofstream(packed, std::ios::binary) << "\x1f\x8b\x08 and what was packed";
+  EXPECT_NE(refusal(packed).find("it is packed; unpack it with gunzip"), std::string::npos)
+      << refusal(packed);
 }
 
 // roscpp's reader of such headers believes the length and reads on in whatever memory comes next.

@@ -133,6 +133,22 @@ TEST(PointTimes, ReadsTimesUnderEveryName) {
   }
 }
 
+/// A count of 32 bits, and nanoseconds of the second, 40 ms before they begin anew.
+TEST(PointTimes, UnrollsAClockThatBeginsAnewDuringTheScan) {
+  for (const std::uint64_t round : {std::uint64_t{1} << 32, std::uint64_t{1'000'000'000}}) {
+    auto message = xyz_cloud({{"t", PointField::UINT32, 12}}, 16, kCount);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const auto since_first = static_cast<std::uint64_t>(std::lround(1e8 * fraction(i)));
+      const std::uint64_t count = round - 40'000'000 + since_first;
+      put(message, i, 12, static_cast<std::uint32_t>(count % round));
+    }
+    const DecodedCloud decoded = decode(message, {});
+    expect_points(decoded, turn_time, 1e-6);
+    EXPECT_EQ(decoded.format.time_unit, "ns") << round;
+    EXPECT_TRUE(decoded.format.foreign_clock) << round;
+  }
+}
+
 TEST(PointTimes, CountsTimesOfAForeignClockFromTheFirstPoint) {
   PointCloud2 message = absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0);
   message.header.stamp = ros::Time(1700000000, 0);

@@ -114,6 +114,18 @@ TEST_F(InputFrames, AnOdometryOfWheelsIsFoundByItsType) {
   is_left_out("frameless", [](Odometry& o) { o.child_frame_id.clear(); });
 }
 
+TEST_F(InputFrames, ATransformThatComesAtTheEndHoldsFromTheBeginning) {
+  const auto late = [](rosbag::Bag& to, const rosbag::MessageInstance& message) {
+    if (message.getTopic() != "/tf_static") return false;
+    to.write(message.getTopic(), message.getTime() + ros::Duration(7.9), message,
+             message.getConnectionHeader());
+    return true;
+  };
+  const std::string said = mapped_and_said(rewritten("late", late)).second;
+  EXPECT_EQ(said.find("no transform"), std::string::npos) << said;
+  EXPECT_NE(said.find("frame velo_link"), std::string::npos) << said;
+}
+
 TEST_F(InputFrames, ScannersOfAPlaneAreLeftOutWithAWord) {
   const auto with_scanner = [](rosbag::Bag& to, const ros::Time& recorded,
                                const PointCloud2& cloud) {

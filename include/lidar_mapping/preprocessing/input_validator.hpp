@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/preprocessing/check_diagnostic.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
@@ -28,12 +29,22 @@ struct CloudFormat {
   double last_time = 0.0;           ///< s, as first_time
 };
 
+/// Where the points of a cloud lie, as a sample of them tells.
+struct CloudExtent {
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();  ///< medians of x, y and z, m
+  float radius = 0.0F;                               ///< median distance from the middle, m
+};
+
+/// The extent of the points that are finite and not at the sensor's origin; empty without any.
+std::optional<CloudExtent> extent_of(const PointCloud& cloud);
+
 /// The properties of a cloud that are checked.
 struct CloudSummary : CloudFormat {
-  Stamp stamp = 0;              ///< of the message
-  std::string frame_id;         ///< as in the message
-  std::size_t points = 0;       ///< their number, also of those that are not finite
-  std::optional<double> delay;  ///< s from the stamp to the delivery, if known
+  Stamp stamp = 0;                    ///< of the message
+  std::string frame_id;               ///< as in the message
+  std::size_t points = 0;             ///< their number, also of those that are not finite
+  std::optional<double> delay;        ///< s from the stamp to the delivery, if known
+  std::optional<CloudExtent> extent;  ///< empty without points, or if their frame moves
   /// Points of the first 0.6 % of the scan's time, m, in the sensor's frame.
   std::vector<Eigen::Vector3f> begin_points;
   /// Points of the last 0.6 % of the scan's time, m, in the sensor's frame.
@@ -50,12 +61,16 @@ class InputValidator {
 
   /// A cloud has come, in the order of arrival as all that follow.
   void add_scan(const CloudSummary& cloud);
-  /// A sample has come, in the units of its message and the axes of its frame.
-  void add_imu(const ImuSample& sample, const std::string& frame_id);
+  /// A sample has come, in the units of its message and the axes of its frame. `delay`, here and
+  /// below: s from the stamp to the delivery, if it is known.
+  void add_imu(const ImuSample& sample, const std::string& frame_id,
+               std::optional<double> delay = std::nullopt);
   /// A velocity has come, in the axes of its frame.
-  void add_velocity(const VelocitySample& sample, const std::string& frame_id);
+  void add_velocity(const VelocitySample& sample, const std::string& frame_id,
+                    std::optional<double> delay = std::nullopt);
   /// A fix has come; `frame_id` is that of the antenna.
-  void add_gnss(const GnssFix& fix, const std::string& frame_id);
+  void add_gnss(const GnssFix& fix, const std::string& frame_id,
+                std::optional<double> delay = std::nullopt);
 
   /// Reports on points, imu, velocity and gnss, in this order. A missing input is a fault only if
   /// it is the points.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -27,17 +28,24 @@ class RecordedFrames {
   /// Uses this frame for the vehicle from now on.
   void set_base_frame(std::string frame) { base_frame_ = std::move(frame); }
 
-  /// Adds a message of /tf_static (`is_static`) or /tf.
+  /// Adds a message of /tf_static (`is_static`) or /tf. Rotations whose quaternion was rounded are
+  /// brought to length 1; transforms that are not finite or no rotation are left out, and those of
+  /// /tf that are published twice.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
+  /// What is wrong with the first transform that was left out, with its frames; empty without one.
+  const std::string& problem() const { return problem_; }
   /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.
   std::optional<Pose> T_base(const std::string& frame) const;
   /// The pose at a time, interpolated; nothing if the transforms do not reach there.
   std::optional<Pose> T_base(const std::string& frame, Stamp stamp) const;
 
  private:
+  bool is_repeated(const geometry_msgs::TransformStamped& transform);
   std::optional<Pose> look_up(const std::string& frame, const ros::Time& time) const;
 
   std::string base_frame_;
+  std::string problem_;
+  std::map<std::string, ros::Time> newest_;  ///< of /tf, stamps by the child's name
   tf2::BufferCore frames_{ros::Duration(1e6)};
 };
 

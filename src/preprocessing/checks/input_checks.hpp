@@ -21,8 +21,9 @@ struct PointsRecord {
   TopicStatistics topic;
   CloudSummary cloud;  ///< the last cloud with points
   SweepSeam seam;
-  std::vector<double> delays;       ///< s from the stamps to the deliveries
   std::size_t empty = 0;            ///< clouds without points
+  std::size_t timed = 0;            ///< clouds with times
+  std::size_t of_other_clock = 0;   ///< clouds with times that do not count from the stamp
   std::size_t damaged_packets = 0;  ///< of a sensor whose packets are decoded here
 };
 
@@ -50,6 +51,25 @@ InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
                   const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
 InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                   const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+
+/// Adds a fault if the points of a cloud lie where no LiDAR can have seen them.
+void check_extent(const CloudExtent& extent, InputReport& report);
+
+/// Adds a fault if the stamps of a sensor and of the points are of clocks that are far apart, by
+/// the times when both were delivered. `parameter` and `configured` are those of check_offset().
+void check_clock(const TopicStatistics& sensor, const TopicStatistics& points,
+                 const std::string& parameter, double configured, InputReport& report);
+
+/// True if the path of the fixes bends to the left where the gyro turns to the right, as that of
+/// fixes whose latitude and longitude are swapped.
+bool fixes_are_mirrored(const GnssRecord& gnss, const ImuRecord& imu, const ExtrinsicLookup& lookup,
+                        const PreprocessingConfig& config);
+
+/// Adds a fault if a velocity has another sign or unit than the accelerations that the IMU feels
+/// ahead.
+void check_accelerations(const VelocityRecord& velocity, const ImuRecord& imu,
+                         const ExtrinsicLookup& lookup, const PreprocessingConfig& config,
+                         InputReport& report);
 
 /// Ratio of the measured speeds to the speeds of the fixes; empty if the vehicle moved too little.
 std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,

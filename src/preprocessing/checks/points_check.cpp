@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/text.hpp"
@@ -11,6 +12,7 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kMaxMissingPeriods = 3.5;  // without a scan; chosen: single losses do no harm
+constexpr double kMaxTurnRate = 30.0;       // Hz; chosen: LiDARs turn at 5 to 20 Hz
 constexpr double kMinDelay = 0.001;         // s; chosen: so soon no cloud has been delivered
 /// Time from the stamp of a scan to its delivery, as a fraction of the scan's span. Chosen between:
 /// a scan that was stamped at its start, in its middle or at its end is delivered after 1, 0.5 or 0
@@ -23,9 +25,18 @@ bool is_one_turn(double span, double period) {
   return span >= 0.5 * period && span <= 1.5 * period;
 }
 
+/// True if a sensor that sees a part of its turn, as others do of their view, turns as configured.
+bool is_part_of_turn(double span, double rate, double period) {
+  constexpr double kLeastPart = 0.1;      // of a turn, 36 degrees; chosen: the narrowest usual view
+  constexpr double kMaxDifference = 0.2;  // of the periods; chosen: some scans may be lost
+  return span >= kLeastPart * period && span <= period &&
+         std::abs(1.0 / rate - period) < kMaxDifference * period;
+}
+
 /// The span is one turn if it agrees with the parameter or with the time from scan to scan.
 void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
   if (is_one_turn(span, config.scan_period)) return;
+  if (rate > 0.0 && is_part_of_turn(span, rate, config.scan_period)) return;
   const std::string problem =
       formatted("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
   if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {
@@ -35,8 +46,14 @@ void check_span(double span, double rate, const PreprocessingConfig& config, Inp
   }
 }
 
-void check_times(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
+/// Whether the times count from the stamp in some scans only.
+bool is_mixed(const PointsRecord& points) {
+  return points.of_other_clock > 0 && points.of_other_clock < points.timed;
+}
+
+void check_times(const PointsRecord& points, const PreprocessingConfig& config,
                  InputReport& report) {
+  const CloudSummary& cloud = points.cloud;
   if (cloud.time_field.empty()) {
     report.found += ", no point times";
     if (config.point_times == PointTimes::kField) {
@@ -50,7 +67,17 @@ void check_times(const CloudSummary& cloud, double rate, const PreprocessingConf
       formatted(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
                 cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
                 cloud.first_time, cloud.last_time);
-  check_span(cloud.last_time - cloud.first_time, rate, config, report);
+  if (is_mixed(points)) {
+    add_fault(
+        report,
+        formatted("the points' times count from the stamp in %zu scans and from elsewhere in "
+                  "%zu, as a clock that begins anew every second",
+                  points.timed - points.of_other_clock, points.of_other_clock),
+        "correct the driver, or set point_times to NONE: the odometry then finds the times of "
+        "a sensor that turns");
+    return;
+  }
+  check_span(cloud.last_time - cloud.first_time, points.topic.rate(), config, report);
   if (cloud.foreign_clock) {
     add_warning(report, "the points' times are of another clock than the stamps",
                 "they are counted from the first point; synchronise the sensor (PTP, PPS)");
@@ -66,8 +93,8 @@ void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
   const double span = cloud.last_time - cloud.first_time;
   const bool from_start = !cloud.time_field.empty() && !cloud.absolute_times &&
                           cloud.first_time > -0.1 * span && config.scan_stamp == ScanStamp::kStart;
-  if (!from_start || points.delays.empty()) return;
-  const double delay = median(points.delays);
+  if (!from_start || points.topic.delays.empty()) return;
+  const double delay = median(points.topic.delays);
   if (delay < kMinDelay || delay > kMaxDelayOfMiddle * span) return;
   add_warning(
       report,
@@ -90,10 +117,26 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
   if (cloud.points > 0) {  // at least one was not empty
     report.found += cloud.contents.empty() ? ", fields " + cloud.fields : ", " + cloud.contents;
     report.found += formatted(", %zu points", cloud.points);
-    check_times(cloud, points.topic.rate(), config, report);
+    check_times(points, config, report);
+    if (points.topic.rate() > kMaxTurnRate) {
+      add_fault(report,
+                formatted("%.0f clouds a second of %zu points are parts of turns",
+                          points.topic.rate(), cloud.points),
+                "have the driver publish whole turns, or ten clouds a second of a sensor that does "
+                "not turn");
+    }
   }
   check_stamps(points, config, report);
-  if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
+  if (cloud.extent) {
+    check_extent(*cloud.extent, report);
+    check_place(points.topic.frame(), lookup, report);
+  }
+  if (points.seam.is_reversed() && config.point_times != PointTimes::kNone) {
+    add_fault(report, "the points' times run backwards",
+              "correct the driver, or set point_times to NONE");
+  }
+  if (points.seam.is_compensated() && !is_mixed(points) &&
+      config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");
   }

@@ -44,10 +44,11 @@ double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
 
 bool is_true_scale(double scale) { return scale > 0.7 && scale < 1.4; }
 
+bool is_kilometres_per_hour(double scale) { return scale > 3.2 && scale < 4.0; }
+
 std::string scale_sentence(double scale) {
-  const bool is_kilometres_per_hour = scale > 3.2 && scale < 4.0;
   return formatted("its speeds are %.2f times those of the fixes%s", scale,
-                   is_kilometres_per_hour ? ": they are in km/h" : "");
+                   is_kilometres_per_hour(scale) ? ": they are in km/h" : "");
 }
 
 void VelocityCheck::add_turn_rate(Stamp stamp, const Eigen::Vector3d& velocity, double rate) {

@@ -13,6 +13,8 @@ enum class VelocityProblem { kNone, kUnit, kAxes, kAside };
 
 /// True if speeds with this scale may be in m/s.
 bool is_true_scale(double scale);
+/// True if speeds with this scale are those of km/h (3.6).
+bool is_kilometres_per_hour(double scale);
 /// The message, for example "its speeds are 3.60 times those of the fixes: they are in km/h".
 std::string scale_sentence(double scale);
 

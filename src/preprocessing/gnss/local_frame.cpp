@@ -78,7 +78,8 @@ std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
     return "coordinates (0, 0): the receiver has not begun";
   }
   if (std::abs(fix.latitude_deg) > 90.0 || std::abs(fix.longitude_deg) > 360.0) {
-    return "latitude or longitude out of range";
+    return formatted("coordinates that are no degrees (latitude %.4f, longitude %.4f)",
+                     fix.latitude_deg, fix.longitude_deg);
   }
   if (fix.altitude_m < kMinHeight || fix.altitude_m > kMaxHeight) {
     return formatted("height %.0f m is implausible (from %.0f to %.0f m)", fix.altitude_m,

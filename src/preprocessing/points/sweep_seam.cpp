@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 namespace lidar_mapping::preprocessing {
 
@@ -35,17 +36,22 @@ float distance_to(const std::vector<Eigen::Vector3f>& points, const Eigen::Vecto
 struct Votes {
   std::size_t own = 0;
   std::size_t next = 0;
+
+  bool are_for_own() const { return own + next >= kMinPoints && own > 3 * next; }
+  bool are_for_next() const { return own + next >= kMinPoints && next > 3 * own; }
 };
 
-Votes votes_of(const CloudSummary& sweep, const CloudSummary& next) {
+using Points = std::vector<Eigen::Vector3f>;
+
+Votes votes_of(const Points& end, const Points& own_begin, const Points& next_begin) {
   Votes votes;
-  const std::size_t step = 1 + sweep.end_points.size() / kMaxPoints;
-  for (std::size_t i = 0; i < sweep.end_points.size(); i += step) {
-    const Eigen::Vector3f& point = sweep.end_points[i];
+  const std::size_t step = 1 + end.size() / kMaxPoints;
+  for (std::size_t i = 0; i < end.size(); i += step) {
+    const Eigen::Vector3f& point = end[i];
     const float range = point.norm();
     if (range < kMinRange || range > kMaxRange) continue;
-    const float to_own = distance_to(sweep.begin_points, point);
-    const float to_next = distance_to(next.begin_points, point);
+    const float to_own = distance_to(own_begin, point);
+    const float to_next = distance_to(next_begin, point);
     if (std::min(to_own, to_next) > kMaxGap || std::abs(to_own - to_next) < kMinDifference)
       continue;
     ++(to_own < to_next ? votes.own : votes.next);
@@ -59,17 +65,21 @@ void SweepSeam::add(const CloudSummary& cloud) {
   const double span = cloud.last_time - cloud.first_time;
   const double since = to_seconds(cloud.stamp - previous_.stamp);
   if (!previous_.end_points.empty() && since > 0.0 && since < kMaxPause * span) {
-    const Votes votes = votes_of(previous_, cloud);
-    if (votes.own + votes.next >= kMinPoints) {
-      if (votes.own > 3 * votes.next) ++compensated_;
-      if (votes.next > 3 * votes.own) ++raw_;
-    }
+    const Votes votes = votes_of(previous_.end_points, previous_.begin_points, cloud.begin_points);
+    if (votes.are_for_own()) ++compensated_;
+    if (votes.are_for_next()) ++raw_;
+    // Of times that run backwards the beginning of a sweep joins the end of the next one.
+    const bool joins_end =
+        votes_of(previous_.begin_points, previous_.end_points, cloud.end_points).are_for_next();
+    if (joins_end) ++reversed_;
   }
   previous_ = cloud;
 }
 
 bool SweepSeam::is_compensated() const {
-  return compensated_ >= kMinScans && compensated_ > 4 * raw_;
+  return compensated_ >= kMinScans && compensated_ > 4 * raw_ && !is_reversed();
 }
+
+bool SweepSeam::is_reversed() const { return reversed_ >= kMinScans && reversed_ > 4 * raw_; }
 
 }  // namespace lidar_mapping::preprocessing

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/number_bytes.hpp"
@@ -22,6 +23,28 @@ constexpr std::size_t kVersionLength = sizeof kVersion - 1;  // by definition: w
 constexpr std::size_t kAnyVersionLength = 9;                 // by the format: "#ROSBAG V"
 // Bytes that are requested from the disk in advance. Chosen: some chunks of a bag.
 constexpr std::uint64_t kAhead = 8'000'000;
+
+/// First bytes of files that were packed as a whole, by their formats, and what unpacks them.
+struct Packing {
+  std::string_view begin;
+  const char* program;
+};
+constexpr Packing kPackings[] = {{"\x1f\x8b", "gunzip"},
+                                 {"BZh", "bunzip2"},
+                                 {"\xfd"
+                                  "7zXZ",
+                                  "unxz"},
+                                 {"\x28\xb5\x2f\xfd", "unzstd"},
+                                 {"PK\x03\x04", "unzip"}};
+
+/// Why a file that begins so is no bag, and what to do.
+std::string no_bag(std::string_view begin) {
+  for (const Packing& packing : kPackings) {
+    if (begin.substr(0, packing.begin.size()) != packing.begin) continue;
+    return std::string("it is packed; unpack it with ") + packing.program;
+  }
+  return "it is no bag; rosbag info says what one holds";
+}
 
 enum Operation : std::uint8_t {
   kMessage = 2,
@@ -197,8 +220,7 @@ class BagFile : public ChunkedRecording {
     char version[kVersionLength] = {};
     file_.read(0, version, std::min<std::uint64_t>(file_.size(), sizeof version));
     if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
-      throw FileError("cannot read the bag " + path_ +
-                      ": it is no bag; rosbag info says what one holds");
+      throw FileError("cannot read the bag " + path_ + ": " + no_bag({version, sizeof version}));
     }
     if (std::memcmp(version, kVersion, sizeof version) != 0) {
       fail("it is not of version 2.0 (rosbag fix converts it)");

@@ -143,19 +143,29 @@ Stamp end_of(const RecordingCheck& recording) {
 
 class RecordingValidator {
  public:
+  /// `clouds_move`: the vehicle moves in the frame of the clouds.
   RecordingValidator(const RecordingCheck& recording,
-                     const preprocessing::PreprocessingConfig& config)
-      : reader_(config), input_validator_(config), frames_(recording.base_frame) {}
+                     const preprocessing::PreprocessingConfig& config, bool clouds_move)
+      : reader_(config),
+        input_validator_(config),
+        frames_(recording.base_frame),
+        clouds_move_(clouds_move) {
+    // Also what stands behind the checked part holds for all of the recording.
+    add_recorded_frames(*recording.bags, "/tf_static", std::numeric_limits<Stamp>::min(),
+                        std::numeric_limits<Stamp>::max(), frames_);
+  }
 
   void add(const BagMessage& message) try {
     if (const auto cloud = read_cloud(message)) {
-      add(*cloud, message.recorded);
+      add(*cloud, message);
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
-      input_validator_.add_imu(from_message(*imu), imu->header.frame_id);
+      const ImuSample sample = from_message(*imu);
+      input_validator_.add_imu(sample, imu->header.frame_id, delay(message, sample.stamp));
     } else if (const auto velocity = VelocityMessages::read(message)) {
-      input_validator_.add_velocity(velocity->sample, velocity->frame_id);
+      input_validator_.add_velocity(velocity->sample, velocity->frame_id,
+                                    delay(message, velocity->sample.stamp));
     } else if (const auto fix = GnssMessages::read(message)) {
-      input_validator_.add_gnss(fix->sample, fix->frame_id);
+      input_validator_.add_gnss(fix->sample, fix->frame_id, delay(message, fix->sample.stamp));
     } else if (const auto sentence = message.instantiate<NmeaSentence>()) {
       const std::string warning = sentences_.add(sentence->sentence);
       if (!warning.empty()) no_gga_ = warning;
@@ -181,6 +191,11 @@ class RecordingValidator {
       reports.back().diagnostics.push_back(
           {Severity::kWarning, no_gga_, "without GGA there is no GNSS"});
     }
+    if (!frames_.problem().empty()) {
+      reports.front().diagnostics.push_back(
+          {Severity::kFault, frames_.problem(),
+           "it is left out; correct its publisher (no rotation is 0 0 0 1)"});
+    }
     if (unreadable_ > 0) {
       reports.front().diagnostics.push_back(
           {Severity::kFault,
@@ -203,9 +218,15 @@ class RecordingValidator {
   }
 
  private:
-  void add(const RecordedCloud& cloud, Stamp delivery) try {
+  /// s from the stamp to the delivery.
+  static double delay(const BagMessage& message, Stamp stamp) {
+    return to_seconds(message.recorded - stamp);
+  }
+
+  void add(const RecordedCloud& cloud, const BagMessage& message) try {
     preprocessing::CloudSummary summary = summary_of(cloud.view(), reader_.read(cloud));
-    summary.delay = to_seconds(delivery - summary.stamp);
+    summary.delay = delay(message, summary.stamp);
+    if (clouds_move_) summary.extent.reset();
     input_validator_.add_scan(summary);
   } catch (const InputError& error) {
     if (unreadable_++ == 0) problem_ = error.what();
@@ -214,6 +235,7 @@ class RecordingValidator {
   CloudReader reader_;
   preprocessing::InputValidator input_validator_;
   RecordedFrames frames_;
+  bool clouds_move_;
   std::size_t unreadable_ = 0;
   std::string problem_;  ///< reason of the first of them
   preprocessing::SentenceCheck sentences_;
@@ -231,7 +253,8 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   const Stamp end = end_of(recording);
   BagStream messages =
       recording.bags->messages_of({t.points, t.imu, t.velocity, t.gnss, "/tf", "/tf_static"});
-  RecordingValidator validator(recording, config);
+  const auto moving = moving_clouds_in(recording);
+  RecordingValidator validator(recording, config, moving.has_value());
   for (auto message = messages.next(); message && message->recorded <= end;
        message = messages.next()) {
     validator.add(*message);
@@ -240,9 +263,7 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   validator.add_late_packets(messages.late_packets());
   std::vector<InputReport> reports = validator.reports();
   reports.front().found += other_clouds(recording) + unused_topics(*recording.bags);
-  if (const auto moving = moving_clouds_in(recording)) {
-    reports.front().diagnostics.push_back(*moving);
-  }
+  if (moving) reports.front().diagnostics.push_back(*moving);
   if (t.points.empty()) reports.front().diagnostics = {why_no_clouds(*recording.bags)};
   if (t.gnss.empty()) {
     const auto raw = raw_data_in(*recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");

@@ -173,6 +173,7 @@ preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCl
   summary.frame_id = message.header.frame_id;
   summary.points = decoded.scan.cloud.size();
   static_cast<CloudFormat&>(summary) = decoded.format;
+  summary.extent = preprocessing::extent_of(decoded.scan.cloud);
   add_seam(decoded.scan.cloud, summary);
   return summary;
 }

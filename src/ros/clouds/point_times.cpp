@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "clouds/point_times.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -25,6 +26,13 @@ constexpr double kMaxSpanRatio = 2.5;
 /// Largest difference of absolute times of the same clock from the stamp, s. Chosen: longer than a
 /// scan, shorter than clocks that were never set differ.
 constexpr double kSameClock = 2.0;
+/// s after which clocks begin anew: a second, a minute, an hour, a day; 0 for a count of 32 bits.
+/// By definition.
+constexpr std::array<double, 5> kRounds = {1.0, 60.0, 3600.0, 86400.0, 0.0};
+constexpr double kCountsOfWord = 4294967296.0;  // of 32 bits, by definition: 2^32
+/// Of a scan's period, between the times beside the new beginning and it. Chosen: two packets of a
+/// sensor with a packet missing between them.
+constexpr double kSeamOfRound = 0.1;
 
 struct Unit {
   const char* name;
@@ -53,16 +61,71 @@ std::optional<Unit> configured_unit(PointTimeUnit unit) {
   return kUnits[static_cast<std::size_t>(unit) - 1];
 }
 
-/// The unit in which the times span about one turn of the LiDAR; if there is none, the usual one of
-/// the type.
-Unit unit_of(const TimeFields& fields, const Bounds& bounds,
-             const preprocessing::PreprocessingConfig& config) {
+/// True if a scan lasts about as long, in s.
+bool is_span_of_scan(double span, double period) {
+  return span > kMinSpanRatio * period && span < kMaxSpanRatio * period;
+}
+
+/// The unit in which the times span about one turn of the LiDAR.
+std::optional<Unit> fitting_unit(const TimeFields& fields, const Bounds& bounds,
+                                 const preprocessing::PreprocessingConfig& config) {
   if (fields.is_in_seconds) return kUnits[0];
   if (const auto unit = configured_unit(config.point_time_unit)) return *unit;
   for (const Unit& unit : kUnits) {
-    const double ratio = (bounds.max - bounds.min) * unit.seconds / config.scan_period;
-    if (ratio > kMinSpanRatio && ratio < kMaxSpanRatio) return unit;
+    if (is_span_of_scan((bounds.max - bounds.min) * unit.seconds, config.scan_period)) return unit;
   }
+  return std::nullopt;
+}
+
+/// A clock that began anew during the scan. Counts below the half of a round are one round later.
+struct Round {
+  double half = -std::numeric_limits<double>::infinity();
+  double length = 0.0;  ///< in the unit of the field
+
+  double unrolled(double count) const { return count < half ? count + length : count; }
+};
+
+/// Bounds of the times as if the clock had gone on.
+Bounds unrolled_bounds(const CloudView& message, const TimeFields& fields, const Round& round) {
+  Bounds bounds;
+  for_each_time(message, fields, 0.0, [&](double value, std::size_t) {
+    if (!std::isfinite(value)) return;
+    bounds.min = std::min(bounds.min, round.unrolled(value));
+    bounds.max = std::max(bounds.max, round.unrolled(value));
+  });
+  return bounds;
+}
+
+struct BrokenScan {
+  Round round;
+  Unit unit;
+  Bounds bounds;  ///< unrolled
+};
+
+/// The round of a clock whose times reach from its beginning to its end.
+std::optional<BrokenScan> broken_scan(const CloudView& message, const TimeFields& fields,
+                                      const preprocessing::PreprocessingConfig& config) {
+  if (fields.second != nullptr) return std::nullopt;
+  const Bounds bounds = bounds_of(message, fields, 0.0);
+  for (const Unit& unit : kUnits) {
+    const double near = kSeamOfRound * config.scan_period / unit.seconds;
+    for (const double seconds : kRounds) {
+      const double length = seconds > 0.0 ? seconds / unit.seconds : kCountsOfWord;
+      const bool reaches_both = bounds.min >= 0.0 && bounds.min < near && bounds.max < length &&
+                                bounds.max > length - near;
+      if (!reaches_both) continue;
+      const Round round{0.5 * length, length};
+      const Bounds unrolled = unrolled_bounds(message, fields, round);
+      if (is_span_of_scan((unrolled.max - unrolled.min) * unit.seconds, config.scan_period)) {
+        return BrokenScan{round, unit, unrolled};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+/// The usual unit of the type.
+Unit usual_unit(const TimeFields& fields) {
   const std::uint8_t type = fields.first->datatype;
   const bool counts =
       size_of(type) >= 4 && type != PointField::FLOAT32 && type != PointField::FLOAT64;
@@ -75,13 +138,15 @@ struct TimeScale {
   double origin;  ///< of the counts from the base
   double unit;    ///< s
   double shift;   ///< of the origin, s
+  Round round;    ///< of a clock that began anew
 };
 
 /// Differences from a time near to them, so that absolute nanoseconds keep their digits.
 void read_times(const CloudView& message, const TimeFields& fields, const TimeScale& scale,
                 std::vector<float>& times) {
   for_each_time(message, fields, scale.base, [&](double value, std::size_t i) {
-    times[i] = static_cast<float>((value - scale.origin) * scale.unit + scale.shift);
+    times[i] =
+        static_cast<float>((scale.round.unrolled(value) - scale.origin) * scale.unit + scale.shift);
   });
 }
 
@@ -106,12 +171,21 @@ void decode_times(const CloudView& message, const TimeFields& fields,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result) {
   std::vector<float>& times = result.scan.cloud.times;
   const double base = time_base(message, fields);
-  const Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, fields, base);
+  Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, fields, base);
   if (!(bounds.max > bounds.min)) {  // the driver does not fill the fields
     times.clear();
     return;
   }
-  const Unit unit = unit_of(fields, bounds, config);
+  std::optional<Unit> fitting = fitting_unit(fields, bounds, config);
+  Round round;
+  if (!fitting) {
+    if (const auto broken = broken_scan(message, fields, config)) {
+      round = broken->round;
+      fitting = broken->unit;
+      bounds = broken->bounds;
+    }
+  }
+  const Unit unit = fitting.value_or(usual_unit(fields));
   const double longest = kMaxSpanRatio * config.scan_period;
   const double first = (base + bounds.min) * unit.seconds;
   const double from_stamp = since_stamp(base, bounds.min, unit.seconds, message.header.stamp);
@@ -132,7 +206,7 @@ void decode_times(const CloudView& message, const TimeFields& fields,
     return;
   }
   times.resize(result.scan.cloud.size());
-  read_times(message, fields, {base, bounds.min, unit.seconds, shift}, times);
+  read_times(message, fields, {base, bounds.min, unit.seconds, shift, round}, times);
 }
 
 }  // namespace lidar_mapping::ros_border

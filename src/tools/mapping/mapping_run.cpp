@@ -161,9 +161,7 @@ class MappingRun {
     const double mapped = progress_->seconds();
     if (stop_requested_ != 0) std::printf("stopped early: what follows is the drive so far\n");
     const Session session = Session::open(options_.output, Session::Access::kRead);
-    if (report_.progress.scans == 0 && session.key_frame_count() == 0) {
-      throw InputError("no scan could be used, so there is no map; the lines above say why");
-    }
+    if (session.key_frame_count() == 0) throw InputError(why_no_map(report_.progress.scans));
     if (!output_.is_complete()) std::printf("%s\n", report_.optimization.message.c_str());
     double products = 0.0;
     if (!options_.no_map) {
@@ -181,6 +179,12 @@ class MappingRun {
       write_text_atomically(options_.figures, json::dumped(figures, 2) + "\n");
     }
     return finish(stop_requested_ != 0 ? kStoppedEarly : 0);
+  }
+
+  static std::string why_no_map(std::size_t scans) {
+    const std::string none = scans == 0 ? "no scan could be used"
+                                        : "none of " + std::to_string(scans) + " scans began a map";
+    return none + ", so there is no map; the lines above say why";
   }
 
   int finish(int status) const {
