@@ -32,6 +32,12 @@ std::vector<StatusWarning> warnings_of(const FrontEndStatus& status) {
          "check imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or "
          "set use_imu: false"});
   }
+  if (status.velocity_distrusted) {
+    warnings.push_back(
+        {"velocity",
+         "velocity: it does not agree with the matched motion; check its unit (m/s), its sign, its "
+         "axes (tf) and whether its sensor measures, or set use_velocity: false"});
+  }
   if (status.unseen_way > 0.0) {
     warnings.push_back(
         {"ride",

@@ -180,12 +180,14 @@ TEST(StatusWarnings, AreOnesForEachThingThatIsWrong) {
   FrontEndStatus status;
   status.map_points_dropped = 7;
   status.gyro_distrusted = true;
+  status.velocity_distrusted = true;
   const std::vector<StatusWarning> warnings = warnings_of(status);
-  ASSERT_EQ(warnings.size(), 2U);
+  ASSERT_EQ(warnings.size(), 3U);
   EXPECT_EQ(warnings[0].key, kFullMapKey);
   EXPECT_NE(warnings[0].text.find(" 7 points"), std::string::npos);
   EXPECT_NE(warnings[0].text.find("voxel_size"), std::string::npos);
   EXPECT_NE(warnings[1].text.find("the gyro does not agree"), std::string::npos);
+  EXPECT_NE(warnings[2].text.find("velocity: it does not agree"), std::string::npos);
 }
 
 TEST(PriorOf, TakesATurnOfZeroByTheVelocityAsNotMeasured) {

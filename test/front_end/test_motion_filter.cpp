@@ -246,6 +246,35 @@ TEST(VelocityValidator, LearnsScaleAndAccuracyOfTheVelocity) {
   EXPECT_GT(dead.usual_sigma(), 3.0);
 }
 
+TEST(VelocityValidator, DistrustsOtherUnitsAndSignsAndASensorThatDoesNotMeasure) {
+  const Eigen::Vector3d velocity(5.0, 0.0, 0.0);
+  const auto is_distrusted = [&](double factor, int matches) {
+    VelocityValidator validator;
+    for (int i = 0; i < matches; ++i) validator.update(factor * velocity, velocity);
+    return validator.is_distrusted();
+  };
+  for (const double factor : {3.6, -1.0, 0.0}) {
+    EXPECT_TRUE(is_distrusted(factor, 20)) << factor;
+    EXPECT_FALSE(is_distrusted(factor, 1)) << factor << ": one match may be wrong itself";
+  }
+  for (const double factor : {0.8, 1.0, 1.3}) EXPECT_FALSE(is_distrusted(factor, 200)) << factor;
+}
+
+TEST(VelocityValidator, TrustsAVelocityAgainThatAgreesAgain) {
+  const Eigen::Vector3d velocity(5.0, 0.0, 0.0);
+  VelocityValidator validator;
+  for (int i = 0; i < 20; ++i) validator.update(Eigen::Vector3d::Zero(), velocity);
+  EXPECT_TRUE(validator.is_distrusted());
+  for (int i = 0; i < 200; ++i) validator.update(velocity, velocity);
+  EXPECT_FALSE(validator.is_distrusted());
+}
+
+TEST(VelocityValidator, SaysNothingAtRest) {
+  VelocityValidator validator;
+  for (int i = 0; i < 200; ++i) validator.update({0.1, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  EXPECT_FALSE(validator.is_distrusted());
+}
+
 // Long chains of motions stay rotations.
 TEST(Moved, StaysARotationOverAHundredThousandSteps) {
   Vector6d twist;

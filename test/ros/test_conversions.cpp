@@ -413,6 +413,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   result.status.stamp_jitter = 0.015;
   result.status.sweep_times.source = front_end::SweepTimes::kNegated;
   result.status.gyro_distrusted = true;
+  result.status.velocity_distrusted = true;
   result.status.unseen_way = -2.5;
   result.status.seconds = 0.05;
   result.status.step_seconds = {{"match", 0.02}, {"map", 0.01}};
@@ -438,6 +439,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   EXPECT_EQ(message.stamp_jitter, 0.015);
   EXPECT_EQ(message.sweep_times, "negated");
   EXPECT_TRUE(message.gyro_distrusted);
+  EXPECT_TRUE(message.velocity_distrusted);
   EXPECT_EQ(message.unseen_way, -2.5);
   EXPECT_EQ(message.seconds, 0.05);
   EXPECT_TRUE(message.key_frame);

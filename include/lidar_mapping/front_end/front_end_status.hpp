@@ -59,6 +59,8 @@ struct FrontEndStatus {
   /// The gyro predicts the matches worse than a prediction without it does, so it is not used
   /// (GyroValidator).
   bool gyro_distrusted = false;
+  /// The measured velocity is off by half of the matched speed (VelocityValidator).
+  bool velocity_distrusted = false;
   /// Vertical distance travelled so far according to the accelerometer alone, m: the points did not
   /// show this motion (VerticalRideDetector).
   double unseen_way = 0.0;

@@ -29,6 +29,7 @@ FrontEndStatus status_of_drive(const FrontEndStatus& before) {
   status.stamp_jitter = before.stamp_jitter;
   status.sweep_times = before.sweep_times;
   status.gyro_distrusted = before.gyro_distrusted;
+  status.velocity_distrusted = before.velocity_distrusted;
   status.unseen_way = before.unseen_way;
   return status;
 }

@@ -51,6 +51,7 @@ class MotionPredictor {
 
   bool accepts_gyro(const MotionPrior& prior) const { return gyro_.accepts(prior); }
   bool is_gyro_distrusted() const { return gyro_.is_distrusted(); }
+  bool is_velocity_distrusted() const { return velocity_.is_distrusted(); }
 
  private:
   /// Applies angular rate and velocity; the velocity is weighted as one that may have become wrong

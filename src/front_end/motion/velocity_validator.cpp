@@ -23,6 +23,12 @@ constexpr double kScaleForgetting = 0.002;
 constexpr double kPeakForgetting = 0.05;
 constexpr double kVarianceRate = 0.02;
 
+// Of the speed. Chosen: what is off by more has another unit, sign or axis, or none of them; wheels
+// that slip for a while are not.
+constexpr double kDistrustedError = 0.5;
+/// m^2/s^2, of the sum of squared speeds. Chosen: ten scans at 2 m/s.
+constexpr double kLeastSquaredSpeed = 40.0;
+
 }  // namespace
 
 double VelocityValidator::scale() const {
@@ -38,6 +44,8 @@ void VelocityValidator::update(const Eigen::Vector3d& measured,
   variance_ = variance_ < 0.0 ? squared : variance_ + kVarianceRate * (squared - variance_);
   product_ += measured.dot(true_velocity) - kScaleForgetting * product_;
   square_ += measured.squaredNorm() - kScaleForgetting * square_;
+  squared_speed_ += true_velocity.squaredNorm() - kVarianceRate * squared_speed_;
+  squared_error_ += (true_velocity - measured).squaredNorm() - kVarianceRate * squared_error_;
 }
 
 double VelocityValidator::cautious_sigma(double speed) const {
@@ -46,6 +54,11 @@ double VelocityValidator::cautious_sigma(double speed) const {
 
 double VelocityValidator::usual_sigma() const {
   return variance_ < 0.0 ? kUsualSigma : std::max(kLeastSigma, std::sqrt(variance_));
+}
+
+bool VelocityValidator::is_distrusted() const {
+  return squared_speed_ > kLeastSquaredSpeed &&
+         squared_error_ > kDistrustedError * kDistrustedError * squared_speed_;
 }
 
 }  // namespace lidar_mapping::front_end

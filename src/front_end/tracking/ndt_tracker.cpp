@@ -189,6 +189,7 @@ void NdtTracker::finish(TrackedScan& result) {
   result.status.unobserved_stddev = unobserved_travel_.stddev();
   result.status.stamp_jitter = clock_.jitter();
   result.status.gyro_distrusted = predictor_.is_gyro_distrusted();
+  result.status.velocity_distrusted = predictor_.is_velocity_distrusted();
   result.status.step_seconds = timer_.take();
 }
 

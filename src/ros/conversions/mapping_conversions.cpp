@@ -192,6 +192,7 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.stamp_jitter = status.stamp_jitter;
   message.sweep_times = to_string(status.sweep_times.source);
   message.gyro_distrusted = status.gyro_distrusted;
+  message.velocity_distrusted = status.velocity_distrusted;
   message.unseen_way = status.unseen_way;
   message.unobserved_stddev = status.unobserved_stddev;
   message.key_frame = result.key_frame.has_value();
