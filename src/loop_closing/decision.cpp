@@ -30,8 +30,8 @@ constexpr double kExpectedInnovation = 12.6;  // 95 % of chi-square, six degrees
 constexpr double kFarMargin = 0.65;
 constexpr double kMaxFarRotation = 0.005;  // rad, standard deviation
 
-// Fraction of the points. Measured: before the registration right candidates have at most 0.02, and
-// 19 of 20 wrong ones more than 0.14 (doc/results/loop_closing.md).
+// Fraction of the points. Measured: right candidates have at most 0.03, 19 of 20 of other places
+// more (doc/results/loop_closing.md).
 constexpr double kMaxStartViolation = 0.15;
 
 using FailedCheck = std::optional<Decision>;
