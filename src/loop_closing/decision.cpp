@@ -30,8 +30,8 @@ constexpr double kExpectedInnovation = 12.6;  // 95 % of chi-square, six degrees
 constexpr double kFarMargin = 0.65;
 constexpr double kMaxFarRotation = 0.005;  // rad, standard deviation
 
-// Fraction of the points. Measured: right candidates have at most 0.06, 19 of 20 of other places
-// more (doc/results/loop_closing.md).
+// Fraction of the points. Measured: right candidates have at most 0.06, 19 of 20 other places
+// more than this limit (doc/results/loop_closing.md).
 constexpr double kMaxStartViolation = 0.15;
 
 using FailedCheck = std::optional<Decision>;
