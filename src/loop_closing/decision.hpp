@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "lidar_mapping/common/loop.hpp"
@@ -25,9 +26,17 @@ struct Decision {
   std::string reason;
 };
 
+/// The check of a starting pose before the registration, which costs many times as much: by the
+/// free-space violation of the two key frames there. Empty if the candidate has to be matched, as
+/// always where the estimate is certain.
+std::optional<Decision> refused_at_start(double free_space_violation, const Prior& prior);
+
 /// Applies all checks to a match, one after the other (doc/loop_closing.md). The match is accepted
 /// if none of them fails.
 Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config);
+
+/// True if the estimate knows the relative pose to about a metre: only one location is possible.
+bool is_certain(const Prior& prior);
 
 /// True if the estimate was known to about a metre and an accepted match agrees with it: then all
 /// other candidates can only show the same location.

@@ -47,7 +47,8 @@ class LoopCloser::Impl {
   const Trajectory& trajectory() const { return generator_.trajectory(); }
   bool is_due() const;
   std::vector<Candidate> selected_candidates() const;
-  VerifiedCandidate verify(const Candidate& candidate, const std::optional<QueryScan>& query);
+  std::optional<VerifiedCandidate> refused_by_views(const Candidate& candidate);
+  VerifiedCandidate matched(const Candidate& candidate);
   std::vector<VerifiedCandidate> verify_candidates();
   void add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result);
 
@@ -56,6 +57,9 @@ class LoopCloser::Impl {
   SubmapBuilder submaps_;
   CandidateGenerator generator_;
   SegmentConnector connector_;
+  // Of the newest key frame; made when the first candidate of a search needs them.
+  std::shared_ptr<const SingleView> view_;
+  std::optional<QueryScan> query_;
   int key_frames_since_search_ = 0;
   std::optional<double> last_loop_travelled_;
 };
@@ -97,10 +101,23 @@ std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   return result;
 }
 
-VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
-                                           const std::optional<QueryScan>& query) {
+/// The cheap test: the two key frames alone, at the starting pose. Where the estimate is uncertain
+/// most candidates are other places, and nothing else is computed for these.
+std::optional<VerifiedCandidate> LoopCloser::Impl::refused_by_views(const Candidate& candidate) {
+  if (is_certain(candidate.prior)) return std::nullopt;
+  if (!view_) view_ = submaps_.view_of(trajectory()[trajectory().size() - 1].index);
+  const auto older = submaps_.view_of(trajectory()[candidate.node].index);
+  if (!view_ || !older) return std::nullopt;
+  const double violation = free_space_violation(*older, *view_, candidate.T_from_to);
+  const auto decision = refused_at_start(violation, candidate.prior);
+  if (!decision) return std::nullopt;
+  return without_match(candidate, violation, *decision);
+}
+
+VerifiedCandidate LoopCloser::Impl::matched(const Candidate& candidate) {
+  if (!query_) query_ = submaps_.query(trajectory());
   const auto submap = submaps_.around(trajectory(), candidate.node);
-  if (query && submap) return verified(candidate, *query, *submap, config_, alignment_);
+  if (query_ && submap) return verified(candidate, *query_, *submap, config_, alignment_);
   return without_cloud(candidate);
 }
 
@@ -110,10 +127,12 @@ std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   const std::vector<Candidate> candidates = selected_candidates();
   if (candidates.empty()) return {};
   key_frames_since_search_ = 0;
-  const auto query = submaps_.query(trajectory());
+  view_.reset();
+  query_.reset();
   std::vector<VerifiedCandidate> verified;
   for (const Candidate& candidate : candidates) {
-    verified.push_back(verify(candidate, query));
+    const auto refused = refused_by_views(candidate);
+    verified.push_back(refused ? *refused : matched(candidate));
     if (is_conclusive(verified.back())) break;
   }
   return verified;

@@ -83,6 +83,16 @@ Points SubmapBuilder::merged_points(const Trajectory& trajectory, Trajectory::No
   return voxels_.points();
 }
 
+std::shared_ptr<const SingleView> SubmapBuilder::view_of(KeyFrameIndex index) {
+  const PointsPtr points = map_points(index);
+  if (points == nullptr) return nullptr;
+  auto view = std::make_shared<SingleView>();
+  view->points = *points;
+  view->above_ground = above_ground(*points);
+  view->image = FreeSpaceImage(*points, p_base_lidar_);
+  return view;
+}
+
 std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
   if (newest_ == nullptr) return std::nullopt;
   const Trajectory::NodeId node = trajectory.size() - 1;

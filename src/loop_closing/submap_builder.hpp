@@ -34,6 +34,8 @@ class SubmapBuilder {
   /// Stores the cloud of a new key frame, adds its view, and returns it thinned, in base_link; null
   /// if the cloud is not available. `prepared` are its points if it was thinned in advance.
   PointsPtr add_newest(const KeyFrame& key_frame, const PointsPtr& prepared = nullptr);
+  /// What a key frame alone sees; null if its cloud is not available.
+  std::shared_ptr<const SingleView> view_of(KeyFrameIndex index);
   /// The newest scan together with those of the two previous nodes: the scan of a sensor with few
   /// beams is too sparse alone.
   std::optional<QueryScan> query(const Trajectory& trajectory);

@@ -114,6 +114,12 @@ double violation_fraction(const std::vector<Eigen::Vector3f>& points,
 
 }  // namespace
 
+double free_space_violation(const SingleView& a, const SingleView& b, const Pose& T_a_b) {
+  const Eigen::Isometry3f T = isometry(T_a_b);
+  return std::max(violation_fraction(b.points, b.above_ground, a.image, T),
+                  violation_fraction(a.points, a.above_ground, b.image, T.inverse()));
+}
+
 double roofed_fraction(const Submap& submap) {
   // Cells of 2 m in a square of 30 m with the LiDAR in its middle. Chosen: beyond, ceilings are
   // seen too flat to have normals, and smaller cells stay empty between rings.

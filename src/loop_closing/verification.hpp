@@ -31,6 +31,13 @@ struct Submap {
   std::shared_ptr<const ElevationRange> view;
 };
 
+/// What the LiDAR saw at one key frame alone, in its base_link.
+struct SingleView {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<bool> above_ground;  ///< per point
+  FreeSpaceImage image;
+};
+
 /// Figures of a match of a key frame with a submap (doc/loop_closing.md).
 struct MatchFigures {
   /// Number of points above ground within 40 m, where the LiDAR of the submap can see.
@@ -48,6 +55,9 @@ struct MatchFigures {
   double sight = 0.0;   ///< smaller range of sight of scan and submap, m
   double roofed = 0.0;  ///< roofed_fraction() of the submap; 0 if it was not needed
 };
+
+/// MatchFigures::free_space_violation of two key frames alone.
+double free_space_violation(const SingleView& a, const SingleView& b, const Pose& T_a_b);
 
 /// Fraction of the occupied cells within 15 m that have a level surface overhead, 0 to 1.
 double roofed_fraction(const Submap& submap);

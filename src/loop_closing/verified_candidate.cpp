@@ -69,6 +69,14 @@ VerifiedCandidate without_cloud(const Candidate& candidate) {
   return result;
 }
 
+VerifiedCandidate without_match(const Candidate& candidate, double free_space_violation,
+                                const Decision& decision) {
+  VerifiedCandidate result{candidate, {}, decision};
+  result.match.alignment.T_target_source = candidate.T_from_to;
+  result.match.figures.free_space_violation = free_space_violation;
+  return result;
+}
+
 VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, const Submap& submap,
                            const LoopClosingConfig& config, ScanAlignment& alignment) {
   VerifiedCandidate result{candidate, {}, {}};

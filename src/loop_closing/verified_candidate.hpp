@@ -23,6 +23,10 @@ bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b);
 
 /// A candidate that is undecided, because the cloud of one of the two is not available.
 VerifiedCandidate without_cloud(const Candidate& candidate);
+/// A candidate that is decided on without a match, because of the free-space violation at its
+/// starting pose.
+VerifiedCandidate without_match(const Candidate& candidate, double free_space_violation,
+                                const Decision& decision);
 /// Matches a candidate from its T_from_to and decides on the match.
 VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, const Submap& submap,
                            const LoopClosingConfig& config, ScanAlignment& alignment);

@@ -171,6 +171,18 @@ TEST(Decide, GnssCanContradict) {
   expect(decision_on(good_match(), prior), Verdict::kAccepted, "");
 }
 
+TEST(Decide, RefusesWithoutAMatchWhatTheViewsContradictIfTheEstimateIsUncertain) {
+  Prior uncertain = certain_prior();
+  uncertain.sigma_horizontal = 12.0;
+  for (const Prior& prior : {uncertain, Prior()}) {
+    const auto refused = refused_at_start(0.4, prior);
+    ASSERT_TRUE(refused);
+    expect(*refused, Verdict::kRefused, "starting pose");
+    EXPECT_FALSE(refused_at_start(0.02, prior));
+  }
+  EXPECT_FALSE(refused_at_start(0.4, certain_prior())) << "the place is the right one";
+}
+
 TEST(Decide, AcceptsAMatchFarFromAnUncertainEstimate) {
   Prior prior = certain_prior();
   prior.T_from_to = planar(25.0, -10.0, 0.5, 6.0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -138,6 +139,33 @@ TEST(LoopCloser, FindsNothingWithoutRevisits) {
   const ToyWorld world = make_town(200.0, 100.0, 3);
   const auto truth = along({{-100, 0}, {100, 0}});
   EXPECT_TRUE(drive(world, truth, truth).loops.empty());
+}
+
+/// Round a block, its first side again, and on, with an estimate that excludes no place.
+DriveOutcome drive_without_estimate() {
+  const ToyWorld world = make_town(150.0, 60.0, 1);
+  const auto truth =
+      along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {60, 0}, {120, 0}, {120, 60}});
+  LoopClosingConfig config;
+  config.horizontal_drift = 0.2;
+  config.rotation_drift_deg = 20.0;
+  return drive(world, truth, drifting(truth, 1.01, 1e-4), config);
+}
+
+// Most candidates are other places then. A registration of each would cost more than all the rest.
+TEST(LoopCloser, RefusesMostOtherPlacesBeforeTheyAreMatched) {
+  const DriveOutcome outcome = drive_without_estimate();
+  EXPECT_EQ(outcome.false_loops, 0);
+  EXPECT_GE(outcome.loops.size(), 5U);
+  int refused = 0;
+  int before_a_match = 0;
+  for (const LoopVerdict& verdict : outcome.verdicts) {
+    if (verdict.verdict != Verdict::kRefused) continue;
+    ++refused;
+    if (verdict.reason.find("starting pose") != std::string::npos) ++before_a_match;
+  }
+  EXPECT_GE(refused, 20);
+  EXPECT_GE(2 * before_a_match, refused);
 }
 
 /// A street along x, and the same street again 140 m to the left.

@@ -286,6 +286,29 @@ TEST(FreeSpaceViolation, TestsPointsUpToFortyMetres) {
       << "the second one would be consistent with the wall";
 }
 
+SingleView view_of(const Points& points) {
+  SingleView view;
+  view.points = points;
+  for (const Vector& p : points) view.above_ground.push_back(p.z() > 0.5F);
+  return view;
+}
+
+TEST(FreeSpaceViolation, OfTwoKeyFramesAloneIsMeasuredInBothDirections) {
+  const Pose T_a_b = planar(25.0, -10.0, 2.0);
+  const Eigen::Isometry3f T(T_a_b.matrix().cast<float>());
+  Points seen_by_a, seen_by_b;
+  for (const Vector& p : kBeforeAWallAtTwentyMetres) {
+    seen_by_a.push_back(T * p);
+    seen_by_b.push_back(T.inverse() * p);
+  }
+  SingleView before_a_wall;
+  before_a_wall.image = round_wall(20.0F);
+  EXPECT_DOUBLE_EQ(free_space_violation(before_a_wall, view_of(seen_by_b), T_a_b), 0.5);
+  EXPECT_DOUBLE_EQ(free_space_violation(view_of(seen_by_a), before_a_wall, T_a_b), 0.5);
+  EXPECT_DOUBLE_EQ(free_space_violation(view_of(seen_by_a), view_of(seen_by_b), T_a_b), 0.0)
+      << "neither knows of free space";
+}
+
 // Roofs.
 
 /// Points in a square of cells of 2 m around `middle`, 16 to a cell; `cells` along x times y.
