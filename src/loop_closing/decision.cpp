@@ -149,8 +149,12 @@ std::string figure_sentence(const std::string& figure, double value, const std::
                    parameter.c_str());
 }
 
-std::optional<Decision> refused_at_start(double free_space_violation, const Prior& prior) {
-  if (is_certain(prior) || free_space_violation <= kMaxStartViolation) return std::nullopt;
+bool admits_other_places(const Prior& prior, double sight) {
+  return prior.anchored && prior.sigma_horizontal > sight;
+}
+
+std::optional<Decision> refused_at_start(double free_space_violation) {
+  if (free_space_violation <= kMaxStartViolation) return std::nullopt;
   return refused(figure_sentence("free-space violation at the starting pose", free_space_violation,
                                  "above", kMaxStartViolation, "free space before the match"));
 }
@@ -168,14 +172,10 @@ Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig&
                           "above", config.overlap_margin_limit, "overlap_margin_limit")};
 }
 
-bool is_certain(const Prior& prior) {
-  return prior.anchored && prior.height_jumps == 0.0 &&
-         prior.sigma_horizontal <= kCertainHorizontal && prior.sigma_vertical <= kCertainVertical &&
-         prior.sigma_rotation <= kCertainRotation;
-}
-
 bool is_unambiguous(const Match& match, const Prior& prior) {
-  return is_certain(prior) &&
+  if (!prior.anchored || prior.height_jumps > 0.0) return false;
+  return prior.sigma_horizontal <= kCertainHorizontal && prior.sigma_vertical <= kCertainVertical &&
+         prior.sigma_rotation <= kCertainRotation &&
          innovation_of(prior, match.alignment.T_target_source).whole <= kExpectedInnovation;
 }
 

@@ -26,17 +26,19 @@ struct Decision {
   std::string reason;
 };
 
+/// True if the estimate admits places that share no view: its horizontal standard deviation is
+/// beyond the range of sight (m). Without an estimate nothing is known about that.
+bool admits_other_places(const Prior& prior, double sight);
+
 /// The check of a starting pose before the registration, which costs many times as much: by the
-/// free-space violation of the two key frames there. Empty if the candidate has to be matched, as
-/// always where the estimate is certain.
-std::optional<Decision> refused_at_start(double free_space_violation, const Prior& prior);
+/// free-space violation of the two key frames there. Empty if the candidate has to be matched. It
+/// is only for candidates of which most are other places: the starting pose of a right one may be
+/// so far off that it fails, above all in small rooms.
+std::optional<Decision> refused_at_start(double free_space_violation);
 
 /// Applies all checks to a match, one after the other (doc/loop_closing.md). The match is accepted
 /// if none of them fails.
 Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config);
-
-/// True if the estimate knows the relative pose to about a metre: only one location is possible.
-bool is_certain(const Prior& prior);
 
 /// True if the estimate was known to about a metre and an accepted match agrees with it: then all
 /// other candidates can only show the same location.

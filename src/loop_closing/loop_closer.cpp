@@ -101,15 +101,15 @@ std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   return result;
 }
 
-/// The cheap test: the two key frames alone, at the starting pose. Where the estimate is uncertain
-/// most candidates are other places, and nothing else is computed for these.
+/// The cheap test: the two key frames alone, at the starting pose. Where the estimate admits other
+/// places most candidates are such, and nothing else is computed for these.
 std::optional<VerifiedCandidate> LoopCloser::Impl::refused_by_views(const Candidate& candidate) {
-  if (is_certain(candidate.prior)) return std::nullopt;
+  if (!admits_other_places(candidate.prior, generator_.sight())) return std::nullopt;
   if (!view_) view_ = submaps_.view_of(trajectory()[trajectory().size() - 1].index);
   const auto older = submaps_.view_of(trajectory()[candidate.node].index);
   if (!view_ || !older) return std::nullopt;
   const double violation = free_space_violation(*older, *view_, candidate.T_from_to);
-  const auto decision = refused_at_start(violation, candidate.prior);
+  const auto decision = refused_at_start(violation);
   if (!decision) return std::nullopt;
   return without_match(candidate, violation, *decision);
 }

