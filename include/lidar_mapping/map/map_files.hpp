@@ -34,9 +34,9 @@ struct ConcurrentTask {
   int threads = 1;  ///< With 1 the work is done after writing; 0: all cores.
 };
 
-/// Writes map.<format> for each of `formats` (empty: pcd and ply), which are of point_formats(),
+/// Writes map.FORMAT for each of `formats` (empty: pcd and ply), which are of point_formats(),
 /// and map.yaml (frame, datum, resolution, number of points, bounds) beside them; in UTM also
-/// map.<format>.utm, which holds easting, northing and height of the origin. The origin is not
+/// map.FORMAT.utm, which holds easting, northing and height of the origin. The origin is not
 /// added to the points, because floats would lose precision. A file appears completely or not at
 /// all. Throws InputError for another format or an empty map, and FileError if the disk fails or if
 /// the folder holds one of the files without a map.yaml beside it, so that it does not come from
