@@ -34,6 +34,11 @@ constexpr double kMaxFarRotation = 0.005;  // rad, standard deviation
 // more than this limit (doc/results/loop_closing.md).
 constexpr double kMaxStartViolation = 0.15;
 
+/// m, horizontal standard deviation. Chosen: candidates at different locations are ten metres apart
+/// (loop_closer.cpp). Tried: with 1 m right candidates of walks and flights are refused, whose
+/// starting poses are less exact; with the range of sight hardly any other place is.
+constexpr double kSeveralLocations = 10.0;
+
 using FailedCheck = std::optional<Decision>;
 using Config = LoopClosingConfig;
 
@@ -149,8 +154,8 @@ std::string figure_sentence(const std::string& figure, double value, const std::
                    parameter.c_str());
 }
 
-bool admits_other_places(const Prior& prior, double sight) {
-  return prior.anchored && prior.sigma_horizontal > sight;
+bool admits_other_places(const Prior& prior) {
+  return prior.anchored && prior.sigma_horizontal > kSeveralLocations;
 }
 
 std::optional<Decision> refused_at_start(double free_space_violation) {

@@ -26,9 +26,9 @@ struct Decision {
   std::string reason;
 };
 
-/// True if the estimate admits places that share no view: its horizontal standard deviation is
-/// beyond the range of sight (m). Without an estimate nothing is known about that.
-bool admits_other_places(const Prior& prior, double sight);
+/// True if the estimate admits several locations, so that most candidates are other places. Without
+/// an estimate nothing is known about that.
+bool admits_other_places(const Prior& prior);
 
 /// The check of a starting pose before the registration, which costs many times as much: by the
 /// free-space violation of the two key frames there. Empty if the candidate has to be matched. It

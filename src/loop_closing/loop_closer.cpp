@@ -104,7 +104,7 @@ std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
 /// The cheap test: the two key frames alone, at the starting pose. Where the estimate admits other
 /// places most candidates are such, and nothing else is computed for these.
 std::optional<VerifiedCandidate> LoopCloser::Impl::refused_by_views(const Candidate& candidate) {
-  if (!admits_other_places(candidate.prior, generator_.sight())) return std::nullopt;
+  if (!admits_other_places(candidate.prior)) return std::nullopt;
   if (!view_) view_ = submaps_.view_of(trajectory()[trajectory().size() - 1].index);
   const auto older = submaps_.view_of(trajectory()[candidate.node].index);
   if (!view_ || !older) return std::nullopt;

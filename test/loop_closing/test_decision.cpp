@@ -178,13 +178,14 @@ TEST(Decide, RefusesWithoutAMatchWhatTheViewsContradict) {
   EXPECT_FALSE(refused_at_start(0.02));
 }
 
-TEST(AdmitsOtherPlaces, IfTheEstimateIsLessCertainThanTheSightIsLong) {
+TEST(AdmitsOtherPlaces, IfTheEstimateIsUncertainByMoreThanLocationsAreApart) {
   Prior prior = certain_prior();
-  EXPECT_FALSE(admits_other_places(prior, 4.0));
+  EXPECT_FALSE(admits_other_places(prior));
+  prior.sigma_horizontal = 3.0;
+  EXPECT_FALSE(admits_other_places(prior)) << "of a walk without loops";
   prior.sigma_horizontal = 12.0;
-  EXPECT_TRUE(admits_other_places(prior, 4.0));
-  EXPECT_FALSE(admits_other_places(prior, 25.0)) << "all that is possible is in view";
-  EXPECT_FALSE(admits_other_places(Prior(), 4.0)) << "nothing is known";
+  EXPECT_TRUE(admits_other_places(prior));
+  EXPECT_FALSE(admits_other_places(Prior())) << "nothing is known";
 }
 
 TEST(Decide, AcceptsAMatchFarFromAnUncertainEstimate) {
