@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,8 +35,9 @@ std::string findings(const std::function<double(int)>& delay_of_sample,
       validator.add_imu(test::imu(at(0.01 * k)), "imu", delay_of_sample(k));
     }
   }
+  const std::vector<InputReport> reports = validator.report(test::identity_lookup);
   std::string text;
-  for (const CheckDiagnostic& diagnostic : validator.report(test::identity_lookup)[1].diagnostics) {
+  for (const CheckDiagnostic& diagnostic : reports[1].diagnostics) {
     text += sentence(diagnostic) + "\n";
   }
   return text;
