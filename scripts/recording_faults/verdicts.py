@@ -12,7 +12,8 @@ GOOD_COVERAGE = 0.9  # of the drive's time that has key frames; chosen
 # that were measured (2 to 4 mm), so that a variant that is examined alone is not blamed for noise.
 UNKNOWN_REFERENCE_M = 0.02
 ALARMS = ("FAULT", "WARNING", "warning", "error", "cannot", "no transform", "refused", "dropped",
-          "is it another clock", "left out", "Noticed", "doubt")
+          "is it another clock", "left out", "Noticed", "doubt", "does not agree", "do not agree",
+          "without times", "run backwards")
 
 
 def alarms(lines):

@@ -149,13 +149,14 @@ std::string sweep_times_message(const SweepTimesRule& rule) {
       return "points: their times run backwards, so the odometry negates them; correct the driver, "
              "because IMU and velocity still remove motion by the times as they are";
     case SweepTimes::kByAzimuth:
-      return "points: they have no times and the motion within the sweep was not removed, so the "
-             "odometry takes the times from the azimuth; record the times of the points, or set " +
+      return "points: they reach the odometry without times, and the motion within the sweep was "
+             "not removed, or by a wrong velocity, so the odometry takes the times from the "
+             "azimuth; record the times of the points, correct the velocity, or set " +
              azimuth_parameters(rule);
     case SweepTimes::kByPosition:
-      return "points: they have no times and the motion within the sweep was not removed, so the "
-             "odometry takes the times from the order of the points; record the times of the "
-             "points";
+      return "points: they reach the odometry without times, and the motion within the sweep was "
+             "not removed, or by a wrong velocity, so the odometry takes the times from the order "
+             "of the points; record the times of the points, or correct the velocity";
   }
   return "";
 }
