@@ -33,10 +33,14 @@ bool is_part_of_turn(double span, double rate, double period) {
          std::abs(1.0 / rate - period) < kMaxDifference * period;
 }
 
-/// The span is one turn if it agrees with the parameter or with the time from scan to scan.
-void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
+/// The span is one turn if it agrees with the parameter or with the time from scan to scan. A cloud
+/// may be a part of it; of packets the rest was lost.
+void check_span(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
+                InputReport& report) {
+  const double span = cloud.last_time - cloud.first_time;
   if (is_one_turn(span, config.scan_period)) return;
-  if (rate > 0.0 && is_part_of_turn(span, rate, config.scan_period)) return;
+  const bool holds_packets = !cloud.contents.empty();
+  if (!holds_packets && rate > 0.0 && is_part_of_turn(span, rate, config.scan_period)) return;
   const std::string problem =
       formatted("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
   if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {
@@ -77,7 +81,7 @@ void check_times(const PointsRecord& points, const PreprocessingConfig& config,
         "a sensor that turns");
     return;
   }
-  check_span(cloud.last_time - cloud.first_time, points.topic.rate(), config, report);
+  check_span(cloud, points.topic.rate(), config, report);
   if (cloud.foreign_clock) {
     add_warning(report, "the points' times are of another clock than the stamps",
                 "they are counted from the first point; synchronise the sensor (PTP, PPS)");
