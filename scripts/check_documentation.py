@@ -219,11 +219,11 @@ class Block:
                                        stdout=file, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                        start_new_session=True)
         self.lasting.append((command, process, log))
-        if not self._is_up(text, process):
+        if not self._is_up(text, process, log):
             self.problems.add(command, 'does not start', log.read_text(errors='replace'))
 
-    def _is_up(self, text, process):
-        """Whether the service of the command is available in the end."""
+    def _is_up(self, text, process, log):
+        """Whether the service of the command is available in the end, or rviz has crashed where it may."""
         if text.startswith('roslaunch'):
             asked = ['rosservice', 'list']
             localizes = 'localization.launch' in text
@@ -239,6 +239,8 @@ class Block:
         while time.monotonic() < end and process.poll() is None:
             answer = subprocess.run(asked, env=self.environment, capture_output=True, text=True).stdout
             if wanted <= set(answer.split()):
+                return True
+            if self.rviz_may_crash and RVIZ_CRASHES.search(log.read_text(errors='replace')):
                 return True
             time.sleep(0.3)
         return False
