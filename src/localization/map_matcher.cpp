@@ -77,7 +77,7 @@ MapMatch MapMatcher::match(const ScanPoints& points, MapSurfaces& map,
   for (double reach = kReach; reach <= kGreatestReach; reach *= 2.0) {
     require_around(predicted.T_map_base, points, reach, map);
     alignment = aligned(points, map, predicted);
-    if (alignment.excursion <= reach) break;
+    if (alignment.excursion <= reach || map.is_whole()) break;
   }
   const NdtMatch& found = alignment.match;
   MapMatch match;

@@ -36,6 +36,8 @@ class MapSurfaces {
   registration::GaussianVoxelMap& coarse() { return coarse_.voxels(); }
   /// Number of fine Gaussians of the whole map.
   std::size_t gaussians() const { return fine_.size(); }
+  /// True if the whole map is in memory.
+  bool is_whole() const { return fine_.is_whole() && coarse_.is_whole(); }
   /// Memory of the tables, bytes.
   std::size_t bytes() const { return fine_.bytes() + coarse_.bytes(); }
 

@@ -64,7 +64,7 @@ SurfaceTiles::TileKey SurfaceTiles::tile_of(VoxelKey key) const {
 }
 
 void SurfaceTiles::require(const Eigen::Vector3d& p_map, double radius) {
-  if (away_ == 0) return;
+  if (is_whole()) return;
   const Range range = range_around(p_map, radius);
   if (!(range == newest_)) request(range);
 }

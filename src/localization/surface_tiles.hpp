@@ -43,6 +43,8 @@ class SurfaceTiles {
   const registration::GaussianVoxelMap& voxels() const { return voxels_; }
   /// Number of Gaussians of the whole map.
   std::size_t size() const { return voxels_.size() + away_; }
+  /// True if all of them are in the table.
+  bool is_whole() const { return away_ == 0; }
   /// Memory of the table, bytes.
   std::size_t bytes() const {
     return voxels_.table().slots().size() * sizeof(registration::VoxelSums);
