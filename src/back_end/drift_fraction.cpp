@@ -45,7 +45,7 @@ CumulativeSums cumulative_sums(const DriveGraph& drive, const BackEndConfig& con
   std::vector<int> has_position(drive.nodes.size(), 0);
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     if (!is_used(factors.horizontal_of[i], used)) continue;
-    has_position[static_cast<std::size_t>(drive.gnss[i].node)] = 1;
+    has_position[drive.gnss[i].node] = 1;
   }
   CumulativeSums sums;
   Vector6d errors = Vector6d::Zero();
@@ -89,7 +89,7 @@ double position_scatter(const DriveFactors& factors, const std::vector<bool>& us
   int dof = 0;
   for (const int i : factors.horizontal_of) {
     if (!is_used(i, used)) continue;
-    const pose_graph::Constraint& position = factors.graph.constraints[static_cast<std::size_t>(i)];
+    const pose_graph::Constraint& position = factors.graph.constraints[i];
     squares += pose_graph::chi2(factors.graph, position);
     dof += position.degrees_of_freedom();
   }

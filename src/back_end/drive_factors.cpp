@@ -41,8 +41,7 @@ void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_
   const std::vector<int> connected = connected_segments(drive, true);
   for (std::size_t segment = 0; segment < drive.segment_starts.size(); ++segment) {
     const int node = drive.segment_starts[segment];
-    const Pose& pose =
-        segment == 0 ? drive.T_map_first : drive.nodes[static_cast<std::size_t>(node)].T_map_base;
+    const Pose& pose = segment == 0 ? drive.T_map_first : drive.nodes[node].T_map_base;
     // A segment that loops connect to another one needs no prior. A weak one keeps the system
     // solvable if all its loops are refused.
     const bool isolated = connected[segment] == static_cast<int>(segment);
@@ -99,7 +98,7 @@ void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
 std::vector<bool> selected_constraints(const DriveGraph& drive, const DriveFactors& factors) {
   std::vector<bool> selected(factors.graph.constraints.size(), true);
   const auto select = [&](int constraint, bool used, bool evaluated) {
-    if (constraint >= 0) selected[static_cast<std::size_t>(constraint)] = used || !evaluated;
+    if (constraint >= 0) selected[constraint] = used || !evaluated;
   };
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     select(factors.loop_of[i], drive.loops[i].used, drive.loops[i].evaluated);

@@ -21,7 +21,7 @@ struct DriveFactors {
 
 /// True if there is such a constraint and the solution uses it.
 inline bool is_used(int constraint, const std::vector<bool>& used) {
-  return constraint >= 0 && used[static_cast<std::size_t>(constraint)];
+  return constraint >= 0 && used[constraint];
 }
 
 DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config);

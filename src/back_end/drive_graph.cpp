@@ -15,8 +15,8 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluat
   std::iota(smallest.begin(), smallest.end(), 0);
   for (const DriveLoop& loop : drive.loops) {
     if (!loop.used && !(with_unevaluated_loops && !loop.evaluated)) continue;
-    const int a = smallest[static_cast<std::size_t>(drive.segment_of(loop.from))];
-    const int b = smallest[static_cast<std::size_t>(drive.segment_of(loop.to))];
+    const int a = smallest[drive.segment_of(loop.from)];
+    const int b = smallest[drive.segment_of(loop.to)];
     std::replace(smallest.begin(), smallest.end(), std::max(a, b), std::min(a, b));
   }
   return smallest;
@@ -26,11 +26,11 @@ std::vector<bool> segments_in_enu(const DriveGraph& drive) {
   const std::vector<int> connected = connected_segments(drive, true);
   std::vector<bool> group_in_enu(connected.size(), false);
   for (std::size_t s = 0; s < connected.size(); ++s) {
-    if (drive.in_enu[s]) group_in_enu[static_cast<std::size_t>(connected[s])] = true;
+    if (drive.in_enu[s]) group_in_enu[connected[s]] = true;
   }
   std::vector<bool> result(connected.size());
   for (std::size_t s = 0; s < connected.size(); ++s) {
-    result[s] = group_in_enu[static_cast<std::size_t>(connected[s])];
+    result[s] = group_in_enu[connected[s]];
   }
   return result;
 }
@@ -92,9 +92,9 @@ Eigen::Quaterniond gravity_alignment(const DriveGraph& drive, const std::vector<
                                      const BackEndConfig& config) {
   Eigen::Vector3d up_map = Eigen::Vector3d::Zero();
   for (const Vertical& vertical : verticals(drive, config)) {
-    if (!segments[static_cast<std::size_t>(drive.segment_of(vertical.node))]) continue;
-    up_map += drive.nodes[static_cast<std::size_t>(vertical.node)].T_map_base.rotation *
-              vertical.up_base / (vertical.stddev * vertical.stddev);
+    if (!segments[drive.segment_of(vertical.node)]) continue;
+    up_map += drive.nodes[vertical.node].T_map_base.rotation * vertical.up_base /
+              (vertical.stddev * vertical.stddev);
   }
   if (up_map.norm() == 0.0) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond::FromTwoVectors(up_map, Eigen::Vector3d::UnitZ());

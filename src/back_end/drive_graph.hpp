@@ -108,7 +108,7 @@ struct DriveGraph : NodeMeasurements {
     if (nodes.empty()) return Pose::Identity();
     return nodes.back().T_map_base * nodes.back().T_odom_base.inverse();
   }
-  int segment_of(int node) const { return nodes[static_cast<std::size_t>(node)].segment; }
+  int segment_of(int node) const { return nodes[node].segment; }
 };
 
 /// For each segment the smallest number of a segment that loops connect it to. Loops that are not

@@ -21,7 +21,7 @@ namespace {
 void transform_segments(DriveGraph& drive, const std::vector<bool>& segments,
                         const Pose& T_new_old) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
-    if (!segments[static_cast<std::size_t>(drive.segment_of(static_cast<int>(i)))]) continue;
+    if (!segments[drive.segment_of(static_cast<int>(i))]) continue;
     drive.nodes[i].T_map_base = T_new_old * drive.nodes[i].T_map_base;
   }
   if (segments.front()) drive.T_map_first = T_new_old * drive.T_map_first;
@@ -36,8 +36,8 @@ std::vector<bool> group_members(const std::vector<int>& connected, int group) {
 /// The motion of what lies at the end of the loop, or else of what lies at its begin, that makes
 /// the loop fit.
 Pose correction_by_loop(const DriveGraph& drive, const DriveLoop& loop, bool of_end) {
-  const Pose& from = drive.nodes[static_cast<std::size_t>(loop.from)].T_map_base;
-  const Pose& to = drive.nodes[static_cast<std::size_t>(loop.to)].T_map_base;
+  const Pose& from = drive.nodes[loop.from].T_map_base;
+  const Pose& to = drive.nodes[loop.to].T_map_base;
   const Pose correction = from * loop.loop.T_from_to * to.inverse();
   return of_end ? correction : correction.inverse();
 }
@@ -91,7 +91,7 @@ std::optional<GroupPlacement> next_placement(const DriveGraph& drive,
     const int start = drive.segment_starts[segment];
     const std::optional<GroupPlacement> candidate =
         most_agreed(group, corrections_of(drive, groups, group, placed),
-                    drive.nodes[static_cast<std::size_t>(start)].T_map_base.translation);
+                    drive.nodes[start].T_map_base.translation);
     if (candidate && (!best || candidate->votes > best->votes)) best = candidate;
   }
   return best;
@@ -103,12 +103,12 @@ void forget_alignments(const std::vector<int>& groups, const std::vector<int>& b
                        std::vector<bool>& in_enu) {
   std::vector<bool> group_in_enu(groups.size(), false);
   for (std::size_t segment = 0; segment < groups.size(); ++segment) {
-    if (in_enu[segment]) group_in_enu[static_cast<std::size_t>(groups[segment])] = true;
+    if (in_enu[segment]) group_in_enu[groups[segment]] = true;
   }
   for (std::size_t segment = 0; segment < groups.size(); ++segment) {
     const int oldest = by_new_loops[segment];
     const bool is_moved = groups[segment] != oldest;
-    if (is_moved && !group_in_enu[static_cast<std::size_t>(oldest)]) in_enu[segment] = false;
+    if (is_moved && !group_in_enu[oldest]) in_enu[segment] = false;
   }
 }
 
@@ -117,12 +117,12 @@ std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
                                                const BackEndConfig& config) {
   std::vector<AlignmentSample> samples;
   for (const DriveGnss& gnss : drive.gnss) {
-    if (!segments[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    if (!segments[drive.segment_of(gnss.node)]) continue;
     const GnssPosition p = delay_corrected_position(drive, gnss);
     AlignmentSample sample;
     sample.p_enu = p.p_enu_antenna;
     if (!has_altitude(p)) sample.p_enu.z() = std::numeric_limits<double>::quiet_NaN();
-    sample.p_map = drive.nodes[static_cast<std::size_t>(gnss.node)].T_map_base * p.p_base_antenna;
+    sample.p_map = drive.nodes[gnss.node].T_map_base * p.p_base_antenna;
     sample.stddev_horizontal = horizontal_stddev(p, config);
     sample.stddev_altitude = altitude_stddev(p, config);
     samples.push_back(sample);
@@ -214,8 +214,7 @@ void shift_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
                                      ? shifted.nodes.size()
                                      : static_cast<std::size_t>(drive.gnss[middle].node);
     for (; node < end_node; ++node) {
-      if (!drive.in_enu[static_cast<std::size_t>(drive.segment_of(static_cast<int>(node)))])
-        continue;
+      if (!drive.in_enu[drive.segment_of(static_cast<int>(node))]) continue;
       graph.set_pose(static_cast<int>(node), correction * shifted.nodes[node].T_map_base);
     }
   }

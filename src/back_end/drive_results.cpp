@@ -49,15 +49,15 @@ std::vector<int> parts_of(const DriveGraph& drive) {
   std::vector<int> part_of = connected_segments(drive, false);
   std::vector<bool> in_enu(part_of.size(), false);
   for (std::size_t s = 0; s < part_of.size(); ++s) {
-    if (drive.in_enu[s]) in_enu[static_cast<std::size_t>(part_of[s])] = true;
+    if (drive.in_enu[s]) in_enu[part_of[s]] = true;
   }
   const auto first = std::find(in_enu.begin(), in_enu.end(), true) - in_enu.begin();
   for (int& part : part_of) {
-    if (in_enu[static_cast<std::size_t>(part)]) part = static_cast<int>(first);
+    if (in_enu[part]) part = static_cast<int>(first);
   }
   std::vector<int> result;
   for (const DriveNode& node : drive.nodes) {
-    result.push_back(part_of[static_cast<std::size_t>(node.segment)]);
+    result.push_back(part_of[node.segment]);
   }
   return result;
 }

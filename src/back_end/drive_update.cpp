@@ -42,16 +42,16 @@ void apply_whole_solution(const DriveGraph& solved, DriveGraph& drive) {
 void apply_window_solution(const DriveGraph& solved, const DriveWindow& window,
                            std::size_t key_frames, DriveGraph& drive) {
   for (std::size_t i = 0; i < window.nodes.size(); ++i) {
-    drive.nodes[static_cast<std::size_t>(window.nodes[i])].T_map_base = solved.nodes[i].T_map_base;
+    drive.nodes[window.nodes[i]].T_map_base = solved.nodes[i].T_map_base;
   }
   propagate_odometry(key_frames, drive);
   for (std::size_t i = 0; i < window.loops.size(); ++i) {
-    DriveLoop& loop = drive.loops[static_cast<std::size_t>(window.loops[i])];
+    DriveLoop& loop = drive.loops[window.loops[i]];
     loop.used = solved.loops[i].used;
     loop.evaluated = solved.loops[i].evaluated;
   }
   for (const DriveGnss& gnss : solved.gnss) {
-    copy_usage(gnss, window.nodes[static_cast<std::size_t>(gnss.node)], drive);
+    copy_usage(gnss, window.nodes[gnss.node], drive);
   }
 }
 

@@ -19,9 +19,7 @@ constexpr int kWindowSteps = 50;
 constexpr double kSmallCorrection_m = 0.3;
 constexpr double kSmallCorrection_rad = 0.02;
 
-const DriveNode& node_at(const DriveGraph& drive, int position) {
-  return drive.nodes[static_cast<std::size_t>(position)];
-}
+const DriveNode& node_at(const DriveGraph& drive, int position) { return drive.nodes[position]; }
 
 bool is_small_correction(const DriveGraph& drive, const DriveLoop& loop) {
   if (drive.segment_of(loop.from) != drive.segment_of(loop.to)) return false;
@@ -49,7 +47,7 @@ std::optional<std::vector<int>> nodes_with_new_data(const DriveGraph& drive,
   const std::vector<bool> in_enu = segments_in_enu(drive);
   for (const DriveGnss& gnss : drive.gnss) {
     if (!config.use_gnss || config.georeference_only || gnss.evaluated) continue;
-    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) return std::nullopt;
+    if (!in_enu[drive.segment_of(gnss.node)]) return std::nullopt;
     if (!is_small_correction(drive, gnss)) return std::nullopt;
     result.push_back(gnss.node);
   }
@@ -142,7 +140,7 @@ DriveGraph extract_window(const DriveGraph& drive, const DriveWindow& window) {
     part.nodes.back().fixed = window.fixed[i];
   }
   for (const int i : window.loops) {
-    part.loops.push_back(drive.loops[static_cast<std::size_t>(i)]);
+    part.loops.push_back(drive.loops[i]);
     part.loops.back().from = position_in_window(window, part.loops.back().from);
     part.loops.back().to = position_in_window(window, part.loops.back().to);
   }

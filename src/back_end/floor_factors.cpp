@@ -14,7 +14,7 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
     const DriveFloor& a = drive.floors[i - 1];
     const DriveFloor& b = drive.floors[i];
     // Floors that are further apart need not be in one plane.
-    if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].connected) continue;
+    if (b.node != a.node + 1 || !drive.nodes[b.node].connected) continue;
     const Eigen::Matrix3d covariance = neighbours_covariance(a.floor, b.floor, config);
     graph.add({pose_graph::common_floor_residual(a.floor, b.floor, covariance), a.node, b.node,
                false, config.floor_robust_kernel, config.robust_kernel_size});
@@ -23,7 +23,7 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
 
 /// A frame in the first floor whose z axis is the normal.
 Pose plane_pose(const DriveGraph& drive, const DriveFloor& first) {
-  const Pose& T_map_base = drive.nodes[static_cast<std::size_t>(first.node)].T_map_base;
+  const Pose& T_map_base = drive.nodes[first.node].T_map_base;
   const Eigen::Vector3d normal = T_map_base.rotation * first.floor.normal;
   return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal),
           T_map_base.translation - first.floor.offset * normal};

@@ -62,14 +62,13 @@ class TrajectoryPolynomial {
 };
 
 double seconds_between(const DriveGraph& drive, int from, int to) {
-  return to_seconds(drive.nodes[static_cast<std::size_t>(to)].stamp -
-                    drive.nodes[static_cast<std::size_t>(from)].stamp);
+  return to_seconds(drive.nodes[to].stamp - drive.nodes[from].stamp);
 }
 
 /// True if odometry connects a node with the next one without a stop between them.
 bool moves_to_next(const DriveGraph& drive, int node) {
   if (node < 0 || node + 1 >= static_cast<int>(drive.nodes.size())) return false;
-  if (!drive.nodes[static_cast<std::size_t>(node) + 1].connected) return false;
+  if (!drive.nodes[node + 1].connected) return false;
   const double seconds = seconds_between(drive, node, node + 1);
   return seconds > 0.0 && seconds <= kMaxStepDuration;
 }
@@ -87,10 +86,10 @@ AntennaState antenna_at_delay(const DriveGraph& drive, int node, const Eigen::Ve
   while (first > before + 1 - kKeyFramesPerSide && moves_to_next(drive, first - 1)) --first;
   int last = before;
   while (last < before + kKeyFramesPerSide && moves_to_next(drive, last)) ++last;
-  const Pose T_node_odom = drive.nodes[static_cast<std::size_t>(node)].T_odom_base.inverse();
+  const Pose T_node_odom = drive.nodes[node].T_odom_base.inverse();
   TrajectoryPolynomial polynomial;
   for (int i = first; i <= last; ++i) {
-    const Pose T_node_there = T_node_odom * drive.nodes[static_cast<std::size_t>(i)].T_odom_base;
+    const Pose T_node_there = T_node_odom * drive.nodes[i].T_odom_base;
     polynomial.add(seconds_between(drive, node, i),
                    i == node ? lever_arm : T_node_there * lever_arm);
   }
@@ -98,7 +97,7 @@ AntennaState antenna_at_delay(const DriveGraph& drive, int node, const Eigen::Ve
 }
 
 const DriveNode& node_of(const DriveGraph& drive, const DriveGnss& gnss) {
-  return drive.nodes[static_cast<std::size_t>(gnss.node)];
+  return drive.nodes[gnss.node];
 }
 
 Eigen::Quaterniond R_map_odom(const DriveNode& node) {
@@ -137,14 +136,14 @@ DelayFits fit_delays(const DriveGraph& drive) {
     const DriveNode& node = node_of(drive, gnss);
     if (node.segment != segment || node.stamp - begin > kWindowDuration) {
       fits.all_segments.begin_window();
-      if (segment >= 0) fits.per_segment[static_cast<std::size_t>(segment)].begin_window();
+      if (segment >= 0) fits.per_segment[segment].begin_window();
       R_level_odom = R_map_odom(node);
       segment = node.segment;
       begin = node.stamp;
     }
     const TrackedFix fix = tracked_fix(drive, gnss, R_level_odom);
     fits.all_segments.add(fix);
-    fits.per_segment[static_cast<std::size_t>(segment)].add(fix);
+    fits.per_segment[segment].add(fix);
   }
   fits.all_segments.begin_window();
   for (AntennaFit& fit : fits.per_segment) fit.begin_window();

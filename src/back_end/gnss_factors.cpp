@@ -18,7 +18,7 @@ namespace {
 std::vector<double> covariance_factors(const DriveGraph& drive, const BackEndConfig& config) {
   std::vector<double> factors(drive.gnss.size(), 1.0);
   const auto p_odom = [&](std::size_t i) {
-    return drive.nodes[static_cast<std::size_t>(drive.gnss[i].node)].T_odom_base.translation;
+    return drive.nodes[drive.gnss[i].node].T_odom_base.translation;
   };
   for (std::size_t i = 0; i < factors.size(); ++i) {
     const std::size_t before = i == 0 ? i : i - 1;
@@ -39,7 +39,7 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
   const std::vector<double> covariance_factor = covariance_factors(drive, config);
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     const DriveGnss& gnss = drive.gnss[i];
-    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    if (!in_enu[drive.segment_of(gnss.node)]) continue;
     const GnssPosition p = delay_corrected_position(drive, gnss);
     factors.horizontal_of[i] = factors.graph.add(
         {pose_graph::antenna_horizontal_residual(
@@ -60,7 +60,7 @@ void add_headings(const DriveGraph& drive, const BackEndConfig& config,
   const std::vector<bool> in_enu = segments_in_enu(drive);
   for (const DriveGnss& gnss : drive.gnss) {
     if (!gnss.position.R_enu_base) continue;
-    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    if (!in_enu[drive.segment_of(gnss.node)]) continue;
     graph.add({pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base),
                                             config.imu_heading_stddev_deg * kRadPerDeg),
                gnss.node, -1, false, config.imu_robust_kernel, config.robust_kernel_size});

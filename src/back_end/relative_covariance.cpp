@@ -20,7 +20,7 @@ constexpr double kUnknownInformation = 1e-6;
 std::vector<bool> odometry_constraints(const DriveFactors& factors) {
   std::vector<bool> selected(factors.selected.size(), false);
   for (const int motion : factors.motion_of) {
-    if (motion >= 0) selected[static_cast<std::size_t>(motion)] = true;
+    if (motion >= 0) selected[motion] = true;
   }
   return selected;
 }

@@ -48,7 +48,7 @@ class NormalEquations {
   /// displacement of the constraint's last node by its column of `displacements`, m in the node's
   /// axes.
   void add(int constraint, const Displacements& displacements) {
-    const pose_graph::Constraint& c = graph_.constraints[static_cast<std::size_t>(constraint)];
+    const pose_graph::Constraint& c = graph_.constraints[constraint];
     const pose_graph::LinearisedConstraint at = pose_graph::linearise(graph_, c);
     const bool has_second = c.second >= 0;
     const Eigen::MatrixXd effects =

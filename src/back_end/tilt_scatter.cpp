@@ -29,11 +29,10 @@ std::vector<Directions> verticals_in_odometry(const DriveGraph& drive) {
   std::vector<Directions> result(drive.in_enu.size());
   for (const DriveImu& imu : drive.imu) {
     if (!imu.sample.orientation) continue;
-    const DriveNode& node = drive.nodes[static_cast<std::size_t>(imu.node)];
+    const DriveNode& node = drive.nodes[imu.node];
     const Eigen::Quaterniond R_odom_world =
         node.T_odom_base.rotation * imu.sample.orientation->conjugate();
-    result[static_cast<std::size_t>(node.segment)].push_back(R_odom_world *
-                                                             Eigen::Vector3d::UnitZ());
+    result[node.segment].push_back(R_odom_world * Eigen::Vector3d::UnitZ());
   }
   return result;
 }

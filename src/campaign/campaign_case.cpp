@@ -86,7 +86,7 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
 
 template <typename T>
 const T& one_of(const std::vector<T>& values, simulation::Random& random) {
-  return values[static_cast<std::size_t>(random.integer(0, static_cast<int>(values.size()) - 1))];
+  return values[random.integer(0, static_cast<int>(values.size()) - 1)];
 }
 
 std::string random_fault(simulation::Random& random) {

@@ -34,8 +34,7 @@ StampedPose from_tum(const std::vector<std::string>& words) {
 
 Pose from_kitti(const std::vector<std::string>& words) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  for (int i = 0; i < 12; ++i)
-    matrix(i / 4, i % 4) = coordinate(words[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 12; ++i) matrix(i / 4, i % 4) = coordinate(words[i]);
   return rigid_pose(matrix);
 }
 

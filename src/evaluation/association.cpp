@@ -34,8 +34,8 @@ Eigen::Matrix4d umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   Eigen::Matrix3Xd truth(3, count);
   Eigen::Matrix3Xd estimate(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    truth.col(i) = pairs[static_cast<std::size_t>(i)].truth.translation;
-    estimate.col(i) = pairs[static_cast<std::size_t>(i)].estimate.translation;
+    truth.col(i) = pairs[i].truth.translation;
+    estimate.col(i) = pairs[i].estimate.translation;
   }
   return Eigen::umeyama(estimate, truth, with_scale);
 }

@@ -32,7 +32,7 @@ double range_of_sight(const BirdsEyeView& view) {
   const auto rank =
       static_cast<std::ptrdiff_t>(kFractionInSight * static_cast<double>(distances.size() - 1));
   std::nth_element(distances.begin(), distances.begin() + rank, distances.end());
-  return distances[static_cast<std::size_t>(rank)];
+  return distances[rank];
 }
 
 double loop_distance_limit(double sight, const LoopClosingConfig& config) {

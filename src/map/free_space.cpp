@@ -136,8 +136,7 @@ void FreeSpace::mark_passed(int column, int row, double z) {
               static_cast<std::size_t>(column)];
   if (cell.load(std::memory_order_relaxed) != 0) return;
   const double height =
-      z - static_cast<double>(ground_.at(ground_columns_[static_cast<std::size_t>(column)],
-                                         ground_rows_[static_cast<std::size_t>(row)]));
+      z - static_cast<double>(ground_.at(ground_columns_[column], ground_rows_[row]));
   if (height > -options_.lowest && height <= options_.highest) {
     cell.store(1, std::memory_order_relaxed);
   }

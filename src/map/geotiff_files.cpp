@@ -175,7 +175,7 @@ class Stripes {
     for (int row = 0; row < frame.rows; row += rows_) spools_.emplace_back(directory);
     points.points().for_each([&](std::size_t, const StoredPoint& point) {
       const int row = frame_.row_of(points_.position(point).y());
-      spools_[static_cast<std::size_t>(row / rows_)].add(point);
+      spools_[row / rows_].add(point);
     });
   }
 

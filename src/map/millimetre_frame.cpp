@@ -32,7 +32,7 @@ std::array<std::int32_t, 3> MillimetreFrame::millimetres(const Eigen::Vector3d& 
                     "cannot hold in millimetres; leave it out with --crop",
                     value * kMillimetre));
     }
-    result[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(std::lround(value));
+    result[i] = static_cast<std::int32_t>(std::lround(value));
   }
   return result;
 }

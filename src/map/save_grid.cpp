@@ -147,7 +147,7 @@ class GridBlocks {
     const int last_row = block_of(frame_.row_of(point.y + radius), rows_);
     for (int row = first_row; row <= last_row; ++row) {
       for (int column = first_column; column <= last_column; ++column) {
-        has_ground_[static_cast<std::size_t>(row * columns_ + column)] = 1;
+        has_ground_[row * columns_ + column] = 1;
       }
     }
   }

@@ -211,8 +211,7 @@ TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
   view.rgb.reserve(3 * pixels.values.size());
   const std::vector<Rgb> colors = palette();
   for (const Pixel& pixel_content : pixels.values) {
-    const Rgb& rgb = colors[static_cast<std::size_t>(pixel_content.points * (kLevels + 1) +
-                                                     pixel_content.height)];
+    const Rgb& rgb = colors[pixel_content.points * (kLevels + 1) + pixel_content.height];
     view.rgb.insert(view.rgb.end(), rgb.begin(), rgb.end());
   }
   return view;

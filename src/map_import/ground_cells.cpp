@@ -37,7 +37,7 @@ Columns columns_of(const PointCloud& cloud) {
   };
   for (const Point& point : cloud.points) {
     const int number = place(point.x) * kCellsPerEdge + place(point.y);
-    columns[static_cast<std::size_t>(number)].push_back(point.z);
+    columns[number].push_back(point.z);
   }
   return columns;
 }
@@ -69,7 +69,7 @@ std::vector<GroundCell> ground_cells(PointTiles& tiles) {
       GroundCell cell;
       cell.column = static_cast<int>(index.column) * kCellsPerEdge + i / kCellsPerEdge;
       cell.row = static_cast<int>(index.row) * kCellsPerEdge + i % kCellsPerEdge;
-      for (const float height : ground_heights(columns[static_cast<std::size_t>(i)])) {
+      for (const float height : ground_heights(columns[i])) {
         cell.height = tile->origin.z() + static_cast<double>(height);
         cells.push_back(cell);
       }

@@ -151,7 +151,7 @@ class GroundGraph {
     std::vector<std::size_t> sides;
     for (std::size_t side = 0; side < kSides; ++side) {
       const std::ptrdiff_t other = neighbour(i, kDirections[side]);
-      if (other >= 0 && is_open_[static_cast<std::size_t>(other)]) {
+      if (other >= 0 && is_open_[other]) {
         sides.push_back(static_cast<std::size_t>(other));
       }
     }

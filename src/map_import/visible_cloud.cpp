@@ -83,7 +83,7 @@ std::size_t at(int row, int column) {
 Image nearest_ranges(const std::vector<Ray>& rays) {
   Image nearest(static_cast<std::size_t>(kRows * kColumns), kEmpty);
   for (const Ray& ray : rays) {
-    float& range = nearest[static_cast<std::size_t>(ray.pixel)];
+    float& range = nearest[ray.pixel];
     range = std::min(range, ray.range);
   }
   return nearest;

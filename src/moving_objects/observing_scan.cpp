@@ -101,7 +101,7 @@ class VoteCollector {
       const int remaining = chunk.remaining[i];
       const int through = chunk.through[i];
       const int hits = chunk.hits[i];
-      const int required = required_[static_cast<std::size_t>(remaining + through + hits)];
+      const int required = required_[remaining + through + hits];
       votes[chunk.points[i]] = vote_if_rest_static(through, hits, required);
       chunk.copy_point(i, undecided);
       undecided += is_decided(remaining, through, hits, required) ? 0 : 1;

@@ -33,18 +33,18 @@ void BlockCholesky<size>::compute_ordering(int nodes,
   Eigen::AMDOrdering<int>()(pattern.selfadjointView<Eigen::Lower>(), permutation);
   row_of_.resize(static_cast<std::size_t>(nodes));
   for (int position = 0; position < nodes; ++position) {
-    row_of_[static_cast<std::size_t>(permutation.indices()[position])] = position;
+    row_of_[permutation.indices()[position]] = position;
   }
 }
 
 template <int size>
 void BlockCholesky<size>::build_pattern(int nodes, const std::vector<std::pair<int, int>>& pairs) {
-  const auto row_of = [this](int node) { return row_of_[static_cast<std::size_t>(node)]; };
+  const auto row_of = [this](int node) { return row_of_[node]; };
   std::vector<std::vector<int>> rows(static_cast<std::size_t>(nodes));
-  for (int i = 0; i < nodes; ++i) rows[static_cast<std::size_t>(i)].push_back(i);
+  for (int i = 0; i < nodes; ++i) rows[i].push_back(i);
   for (const auto& [a, b] : pairs) {
     const auto [column, row] = std::minmax({row_of(a), row_of(b)});
-    rows[static_cast<std::size_t>(column)].push_back(row);
+    rows[column].push_back(row);
   }
   std::size_t blocks = 0;
   for (auto& list : rows) {
@@ -68,7 +68,7 @@ void BlockCholesky<size>::build_pattern(int nodes, const std::vector<std::pair<i
   *outer = static_cast<int>(inner - lower_.innerIndexPtr());
   for (const auto& [a, b] : pairs) {
     const auto [column, row] = std::minmax({row_of(a), row_of(b)});
-    const auto& list = rows[static_cast<std::size_t>(column)];
+    const auto& list = rows[column];
     const auto found = std::lower_bound(list.begin(), list.end(), row);
     slots_.push_back(
         {column, static_cast<int>(found - list.begin()) * size, row_of(a) < row_of(b)});
@@ -82,7 +82,7 @@ void BlockCholesky<size>::set_zero() {
 
 template <int size>
 void BlockCholesky<size>::add_diagonal(int node, const Block& block) {
-  const int column = row_of_[static_cast<std::size_t>(node)] * size;
+  const int column = row_of_[node] * size;
   for (int k = 0; k < size; ++k) {
     double* values = lower_.valuePtr() + lower_.outerIndexPtr()[column + k];
     Eigen::Map<Eigen::Matrix<double, size, 1>> target(values);
@@ -133,8 +133,8 @@ template <int size>
 typename BlockCholesky<size>::Block BlockCholesky<size>::block(const SelectedInverse& inverse,
                                                                int row_node,
                                                                int column_node) const {
-  const int row = row_of_[static_cast<std::size_t>(row_node)] * size;
-  const int column = row_of_[static_cast<std::size_t>(column_node)] * size;
+  const int row = row_of_[row_node] * size;
+  const int column = row_of_[column_node] * size;
   Block result;
   for (int r = 0; r < size; ++r) {
     for (int c = 0; c < size; ++c) result(r, c) = inverse.at(row + r, column + c);

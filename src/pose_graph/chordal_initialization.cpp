@@ -100,7 +100,7 @@ class ChordalInitialization {
     rotations_.resize(static_cast<std::size_t>(nodes_));
     for (int node = 0; node < nodes_; ++node) {
       const Block M = solved.template middleRows<d>(node * d);
-      rotations_[static_cast<std::size_t>(node)] = nearest_rotation(Block(M.transpose()));
+      rotations_[node] = nearest_rotation(Block(M.transpose()));
     }
     return true;
   }
@@ -132,7 +132,7 @@ class ChordalInitialization {
   }
 
   Block rotation(int unknown) const {
-    return unknown < 0 ? Block::Identity() : rotations_[static_cast<std::size_t>(unknown)];
+    return unknown < 0 ? Block::Identity() : rotations_[unknown];
   }
 
   Pose pose(int unknown) const {

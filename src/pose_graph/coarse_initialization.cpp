@@ -24,8 +24,6 @@ constexpr int kPieceNodes = 32;
 constexpr int kCoarseSteps = 5;
 constexpr double kCoarseTolerance = 0.1;
 
-std::size_t slot(int index) { return static_cast<std::size_t>(index); }
-
 /// How uncertain a relative pose is, the same in all directions: translation (m^2) and vector part
 /// of the quaternion.
 struct Spread {
@@ -96,7 +94,7 @@ class CoarseInitialization {
     std::vector<int> chain(graph_.nodes.size(), -1);
     for (std::size_t i = 0; i < ends_.size(); ++i) {
       const auto [a, b] = std::minmax({ends_[i].first, ends_[i].second});
-      if (b - a == 1 && chain[slot(b)] < 0) chain[slot(b)] = static_cast<int>(i);
+      if (b - a == 1 && chain[b] < 0) chain[b] = static_cast<int>(i);
     }
     return chain;
   }
@@ -120,34 +118,33 @@ class CoarseInitialization {
     const Placed& last = placed_[node - 1];
     const Pose motion = motion_along(edge, static_cast<int>(node));
     placed_[node].T_start_node = last.T_start_node * motion;
-    const Spread spread = sum(last.spread(), spread_of(graph_.edges[slot(edge)], graph_.planar),
-                              motion.translation.norm());
+    const Spread spread =
+        sum(last.spread(), spread_of(graph_.edges[edge], graph_.planar), motion.translation.norm());
     placed_[node].translation = static_cast<float>(spread.translation);
     placed_[node].rotation = static_cast<float>(spread.rotation);
   }
 
   /// Pose of a node in the one before, by an edge in either direction.
   Pose motion_along(int edge, int to) const {
-    const Pose& motion = graph_.edges[slot(edge)].T_from_to;
-    return ends_[slot(edge)].second == to ? motion : motion.inverse();
+    const Pose& motion = graph_.edges[edge].T_from_to;
+    return ends_[edge].second == to ? motion : motion.inverse();
   }
 
   /// Edges between pieces, moved to their first nodes.
   void build_coarse_graph() {
     coarse_.planar = graph_.planar;
     for (std::size_t i = 0; i < first_of_.size(); ++i) {
-      coarse_.nodes.push_back(
-          {static_cast<std::int64_t>(i), graph_.nodes[slot(first_of_[i])].pose});
+      coarse_.nodes.push_back({static_cast<std::int64_t>(i), graph_.nodes[first_of_[i]].pose});
     }
     const auto joins_pieces = [&](const std::pair<int, int>& ends) {
-      return placed_[slot(ends.first)].piece != placed_[slot(ends.second)].piece;
+      return placed_[ends.first].piece != placed_[ends.second].piece;
     };
     coarse_.edges.reserve(
         static_cast<std::size_t>(std::count_if(ends_.begin(), ends_.end(), joins_pieces)));
     for (std::size_t i = 0; i < ends_.size(); ++i) {
       if (!joins_pieces(ends_[i])) continue;
-      const Placed& from = placed_[slot(ends_[i].first)];
-      const Placed& to = placed_[slot(ends_[i].second)];
+      const Placed& from = placed_[ends_[i].first];
+      const Placed& to = placed_[ends_[i].second];
       const PoseEdge& edge = graph_.edges[i];
       const Spread there =
           sum(from.spread(), spread_of(edge, graph_.planar), edge.T_from_to.translation.norm());
@@ -166,21 +163,20 @@ class CoarseInitialization {
       const int end = is_last ? static_cast<int>(placed_.size()) : first_of_[piece + 1];
       const Pose& start = coarse_.nodes[piece].pose;
       if (is_last || links_[piece + 1] < 0) {
-        for (int i = begin; i < end; ++i) place(i, start * placed_[slot(i)].T_start_node);
+        for (int i = begin; i < end; ++i) place(i, start * placed_[i].T_start_node);
         continue;
       }
-      const Pose T_start_end =
-          placed_[slot(end - 1)].T_start_node * motion_along(links_[piece + 1], end);
+      const Pose T_start_end = placed_[end - 1].T_start_node * motion_along(links_[piece + 1], end);
       const Pose from_end = coarse_.nodes[piece + 1].pose * T_start_end.inverse();
       for (int i = begin; i < end; ++i) {
-        const Pose& T_start_node = placed_[slot(i)].T_start_node;
+        const Pose& T_start_node = placed_[i].T_start_node;
         place(i, interpolate(start * T_start_node, from_end * T_start_node,
                              static_cast<double>(i - begin) / (end - begin)));
       }
     }
   }
 
-  void place(int node, const Pose& pose) { graph_.nodes[slot(node)].pose = pose; }
+  void place(int node, const Pose& pose) { graph_.nodes[node].pose = pose; }
 
   PoseGraph& graph_;
   std::vector<std::pair<int, int>> ends_;

@@ -11,8 +11,6 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-std::size_t slot(int index) { return static_cast<std::size_t>(index); }
-
 /// The used constraints of a factor graph.
 template <int size>
 class FactorGraphProblem : public CondensedProblem<size> {
@@ -27,13 +25,13 @@ class FactorGraphProblem : public CondensedProblem<size> {
   int node_count() const override { return static_cast<int>(graph_.states.size()); }
   int factor_count() const override { return static_cast<int>(terms_.size()); }
   std::pair<int, int> nodes_of(int factor) const override {
-    const Constraint& constraint = *terms_[slot(factor)].constraint;
+    const Constraint& constraint = *terms_[factor].constraint;
     return {constraint.first, constraint.second};
   }
-  bool is_fixed(int node) const override { return graph_.fixed[slot(node)]; }
+  bool is_fixed(int node) const override { return graph_.fixed[node]; }
 
   double cost(int factor) const override {
-    const Term& term = terms_[slot(factor)];
+    const Term& term = terms_[factor];
     return loss_at(term, chi2(graph_, *term.constraint)).first;
   }
 
@@ -43,7 +41,7 @@ class FactorGraphProblem : public CondensedProblem<size> {
     using Jacobian =
         Eigen::Matrix<double, Eigen::Dynamic, kBlock, Eigen::RowMajor, kMaxResidualRows, kBlock>;
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, size, 0, kMaxResidualRows, size>;
-    const Term& term = terms_[slot(factor)];
+    const Term& term = terms_[factor];
     const Constraint& constraint = *term.constraint;
     const int rows = constraint.degrees_of_freedom();
     const bool has_second = constraint.second >= 0;
@@ -69,7 +67,7 @@ class FactorGraphProblem : public CondensedProblem<size> {
     before_ = graph_.states;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const double* d = step.data() + static_cast<std::ptrdiff_t>(size * i);
-      StateBlock& block = graph_.states[slot(nodes[i])];
+      StateBlock& block = graph_.states[nodes[i]];
       if (size == 6) {
         block = retract(block.data(), d);
       } else {
@@ -86,7 +84,7 @@ class FactorGraphProblem : public CondensedProblem<size> {
     ceres::LossFunction* loss;
   };
 
-  const double* state(int node) const { return graph_.states[slot(node)].data(); }
+  const double* state(int node) const { return graph_.states[node].data(); }
 
   /// Value and derivative of the loss of a term at its squared norm.
   static std::pair<double, double> loss_at(const Term& term, double squared_norm) {

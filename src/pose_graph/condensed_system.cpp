@@ -23,8 +23,6 @@ constexpr std::size_t kPiecesAtATime = 8;
 // Factors whose costs are added up by one thread. Chosen: so that sums do not depend on threads.
 constexpr std::size_t kCostChunk = 4096;
 
-std::size_t slot(int index) { return static_cast<std::size_t>(index); }
-
 }  // namespace
 
 struct CondensedEquations {
@@ -38,24 +36,24 @@ struct CondensedEquations {
 template <int size>
 CondensedStructure condensed_structure(const CondensedProblem<size>& problem, int threads) {
   CondensedStructure result;
-  std::vector<int> unknown_of(slot(problem.node_count()), -1);
+  std::vector<int> unknown_of(problem.node_count(), -1);
   std::vector<std::pair<int, int>> factors;
-  factors.reserve(slot(problem.factor_count()));
+  factors.reserve(problem.factor_count());
   for (int factor = 0; factor < problem.factor_count(); ++factor) {
     const auto [a, b] = problem.nodes_of(factor);
     for (const int node : {a, b}) {
-      if (node >= 0 && !problem.is_fixed(node)) unknown_of[slot(node)] = 0;
+      if (node >= 0 && !problem.is_fixed(node)) unknown_of[node] = 0;
     }
     factors.emplace_back(a, b);
   }
   for (int node = 0; node < problem.node_count(); ++node) {
-    if (unknown_of[slot(node)] < 0) continue;
-    unknown_of[slot(node)] = static_cast<int>(result.nodes.size());
+    if (unknown_of[node] < 0) continue;
+    unknown_of[node] = static_cast<int>(result.nodes.size());
     result.nodes.push_back(node);
   }
   for (auto& [a, b] : factors) {
-    a = unknown_of[slot(a)];
-    b = b < 0 ? -1 : unknown_of[slot(b)];
+    a = unknown_of[a];
+    b = b < 0 ? -1 : unknown_of[b];
   }
   result.division = divide_for_elimination(static_cast<int>(result.nodes.size()), factors,
                                            kLargestPiece, threads);
@@ -215,7 +213,7 @@ void CondensedSystem<size>::solve_back(double damping, const CondensedEquations&
 
 template <int size>
 double total_cost(const CondensedProblem<size>& problem, int threads) {
-  const std::size_t count = slot(problem.factor_count());
+  const std::size_t count = problem.factor_count();
   std::vector<double> sums((count + kCostChunk - 1) / kCostChunk);
   parallel_chunks(count, kCostChunk, threads, [&](std::size_t begin, std::size_t end) {
     double sum = 0.0;

@@ -159,24 +159,24 @@ int FactorGraph::add_node(const Pose& pose, bool is_fixed) {
 }
 
 Pose FactorGraph::pose(int node) const {
-  const double* block = states[static_cast<std::size_t>(node)].data();
+  const double* block = states[node].data();
   return planar ? to_planar_pose(block) : to_pose(block);
 }
 
 void FactorGraph::set_pose(int node, const Pose& pose) {
-  states[static_cast<std::size_t>(node)] = planar ? to_planar_block(pose) : to_block(pose);
+  states[node] = planar ? to_planar_block(pose) : to_block(pose);
 }
 
 double chi2(const FactorGraph& graph, const Constraint& constraint) {
   const std::size_t second =
       static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
-  const std::array<const double*, 2> blocks = {
-      graph.states[static_cast<std::size_t>(constraint.first)].data(), graph.states[second].data()};
+  const std::array<const double*, 2> blocks = {graph.states[constraint.first].data(),
+                                               graph.states[second].data()};
   std::array<double, kMaxResidualRows> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
   double sum = 0.0;
   for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {
-    sum += residual[static_cast<std::size_t>(i)] * residual[static_cast<std::size_t>(i)];
+    sum += residual[i] * residual[i];
   }
   return sum;
 }

@@ -16,10 +16,6 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-// A minimal damping. Chosen just above the rounding errors of doubles, so that directions that are
-// determined by these alone do not move. Measured: 1e-10 holds the softest bends of a long drive,
-// so that a graph of 100 000 key frames needs 33 steps instead of 5.
-constexpr double kDiagonalScaling = 1e-14;
 // Fraction of the cost: after a larger expected gain the factor is computed again. Chosen: an old
 // factor still converges for less, and a step with it costs a small part of a factorisation.
 constexpr double kRefactorizeGain = 1e-3;
@@ -96,11 +92,9 @@ class NormalEquations {
   }
 
  private:
-  void mark_constrained(int node) { constrained_[static_cast<std::size_t>(node)] = true; }
+  void mark_constrained(int node) { constrained_[node] = true; }
 
-  const double* state(int node) const {
-    return graph_.states[static_cast<std::size_t>(node)].data();
-  }
+  const double* state(int node) const { return graph_.states[node].data(); }
 
   void add(const Term& term) {
     switch (term.constraint->degrees_of_freedom()) {

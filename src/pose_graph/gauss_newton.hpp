@@ -5,6 +5,12 @@
 
 namespace lidar_mapping::pose_graph {
 
+/// A minimal damping of this and of the condensed minimisation: diagonal entries are larger by this
+/// fraction. Chosen just above the rounding errors of doubles, so that directions that are
+/// determined by these alone do not move. Measured: 1e-10 holds the softest bends of a long drive,
+/// so that a graph of 100 000 key frames needs 33 steps instead of 5.
+constexpr double kDiagonalScaling = 1e-14;
+
 /// Minimises by undamped Gauss-Newton steps; the pattern of the graph is analysed once. A
 /// constraint with a kernel is weighted by the derivative of its loss (iteratively reweighted least
 /// squares). A step that does not decrease the cost is undone. `usable` is true if the minimum was

@@ -11,7 +11,7 @@ LinearisedConstraint linearise(const FactorGraph& graph, const Constraint& const
   using Rows =
       Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMaxResidualRows>;
   const bool pair = constraint.second >= 0;
-  const auto block = [&](int node) { return graph.states[static_cast<std::size_t>(node)].data(); };
+  const auto block = [&](int node) { return graph.states[node].data(); };
   const std::array<const double*, 2> blocks = {block(constraint.first),
                                                block(pair ? constraint.second : constraint.first)};
   const int count = constraint.degrees_of_freedom();

@@ -19,8 +19,8 @@ std::vector<std::vector<Neighbour>> neighbours(const PoseGraph& graph) {
   std::vector<std::vector<Neighbour>> result(graph.nodes.size());
   const auto ends = edge_positions(graph);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    result[static_cast<std::size_t>(ends[i].first)].push_back({ends[i].second, i, true});
-    result[static_cast<std::size_t>(ends[i].second)].push_back({ends[i].first, i, false});
+    result[ends[i].first].push_back({ends[i].second, i, true});
+    result[ends[i].second].push_back({ends[i].first, i, false});
   }
   return result;
 }
@@ -54,8 +54,8 @@ class SpanningTree {
 
  private:
   void enqueue_edges(int node) {
-    for (const Neighbour& to : neighbours_[static_cast<std::size_t>(node)]) {
-      if (initialized_[static_cast<std::size_t>(to.node)]) continue;
+    for (const Neighbour& to : neighbours_[node]) {
+      if (initialized_[to.node]) continue;
       (is_odometry(graph_.edges[to.edge]) ? odometry_ : others_).push_back({node, to});
     }
   }
@@ -68,8 +68,8 @@ class SpanningTree {
       const auto slot = static_cast<std::size_t>(step.to.node);
       if (initialized_[slot]) continue;
       const Pose& motion = graph_.edges[step.to.edge].T_from_to;
-      graph_.nodes[slot].pose = graph_.nodes[static_cast<std::size_t>(step.from)].pose *
-                                (step.to.forward ? motion : motion.inverse());
+      graph_.nodes[slot].pose =
+          graph_.nodes[step.from].pose * (step.to.forward ? motion : motion.inverse());
       initialized_[slot] = true;
       enqueue_edges(step.to.node);
     }

@@ -4,14 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gauss_newton.hpp"
+
 namespace lidar_mapping::pose_graph {
 
 namespace {
-
-// A minimal damping, as in gauss_newton.cpp: directions that rounding alone determines do not move.
-constexpr double kDiagonalScaling = 1e-14;
-
-std::size_t slot(int index) { return static_cast<std::size_t>(index); }
 
 /// Where a column of a packed lower triangle of `rows` rows begins; the diagonal comes first.
 std::size_t packed_column(std::size_t rows, std::size_t column) {
@@ -118,9 +115,9 @@ void PieceElimination<size>::assemble(const CondensedProblem<size>& problem, con
     if (factor.entry < 0) continue;
     // Entries lie below the diagonal: in the row of the node that is eliminated later.
     if (factor.first > factor.second) {
-      entries_[slot(factor.entry)] += blocks.cross;
+      entries_[factor.entry] += blocks.cross;
     } else {
-      entries_[slot(factor.entry)] += blocks.cross.transpose();
+      entries_[factor.entry] += blocks.cross.transpose();
     }
   }
 }
@@ -129,13 +126,13 @@ template <int size>
 void PieceElimination<size>::add_to_node(const Piece& piece, int node, const Block& block,
                                          const Vector& gradient, BorderInformation<size>& border) {
   const std::size_t nodes = piece.nodes.size();
-  if (slot(node) < nodes) {
-    diagonal_[slot(node)] += block;
-    diagonal_[slot(node)].diagonal() += kDiagonalScaling * block.diagonal();
-    gradient_[slot(node)] += gradient;
+  if (static_cast<std::size_t>(node) < nodes) {
+    diagonal_[node] += block;
+    diagonal_[node].diagonal() += kDiagonalScaling * block.diagonal();
+    gradient_[node] += gradient;
     return;
   }
-  const std::size_t row = slot(node) - nodes;
+  const std::size_t row = static_cast<std::size_t>(node) - nodes;
   Block& target = border.blocks[packed_column(piece.border.size(), row)];
   target += block;
   target.diagonal() += kDiagonalScaling * block.diagonal();
@@ -147,33 +144,33 @@ template <int size>
 bool PieceElimination<size>::eliminate_column(const Piece& piece, int column,
                                               BorderInformation<size>& border) {
   const int nodes = static_cast<int>(piece.nodes.size());
-  Block& factor = diagonal_[slot(column)];
+  Block& factor = diagonal_[column];
   if (!factorize<size>(factor)) return false;
-  Vector& solved = gradient_[slot(column)];
+  Vector& solved = gradient_[column];
   forward_substitute<size>(factor, solved);
   border.gain += solved.squaredNorm();
-  const int begin = piece.column_begin[slot(column)];
-  const int end = piece.column_begin[slot(column) + 1];
-  for (int i = begin; i < end; ++i) divide<size>(factor, entries_[slot(i)]);
+  const int begin = piece.column_begin[column];
+  const int end = piece.column_begin[column + 1];
+  for (int i = begin; i < end; ++i) divide<size>(factor, entries_[i]);
   for (int i = begin; i < end; ++i) {
-    const int target = piece.rows[slot(i)];
-    const Block& a = entries_[slot(i)];
+    const int target = piece.rows[i];
+    const Block& a = entries_[i];
     if (target >= nodes) {
-      const std::size_t first = slot(target - nodes);
+      const std::size_t first = target - nodes;
       Block* blocks = border.blocks.data() + packed_column(piece.border.size(), first) - first;
       for (int k = i; k < end; ++k) {
-        subtract_product<size>(entries_[slot(k)], a, blocks[piece.rows[slot(k)] - nodes]);
+        subtract_product<size>(entries_[k], a, blocks[piece.rows[k] - nodes]);
       }
       border.gradient[first].noalias() -= a * solved;
       continue;
     }
-    subtract_product<size>(a, a, diagonal_[slot(target)]);
-    gradient_[slot(target)].noalias() -= a * solved;
+    subtract_product<size>(a, a, diagonal_[target]);
+    gradient_[target].noalias() -= a * solved;
     // The target's column has all of these rows, and more between them.
-    int entry = piece.column_begin[slot(target)];
+    int entry = piece.column_begin[target];
     for (int k = i + 1; k < end; ++k) {
-      while (piece.rows[slot(entry)] < piece.rows[slot(k)]) ++entry;
-      subtract_product<size>(entries_[slot(k)], a, entries_[slot(entry)]);
+      while (piece.rows[entry] < piece.rows[k]) ++entry;
+      subtract_product<size>(entries_[k], a, entries_[entry]);
     }
   }
   return true;
@@ -185,19 +182,19 @@ double PieceElimination<size>::substitute(const Piece& piece, const Eigen::Vecto
   const int nodes = static_cast<int>(piece.nodes.size());
   const auto step_of = [&](int row) {
     const double* steps = row < nodes ? step.data() : remaining.data();
-    const int number = row < nodes ? piece.nodes[slot(row)] : piece.border[slot(row - nodes)];
+    const int number = row < nodes ? piece.nodes[row] : piece.border[row - nodes];
     return Eigen::Map<const Vector>(steps + size * static_cast<std::ptrdiff_t>(number));
   };
   double damped = 0.0;
   for (int column = nodes - 1; column >= 0; --column) {
-    Vector solved = -gradient_[slot(column)];
-    for (int i = piece.column_begin[slot(column)]; i < piece.column_begin[slot(column) + 1]; ++i) {
-      solved.noalias() -= entries_[slot(i)].transpose() * step_of(piece.rows[slot(i)]);
+    Vector solved = -gradient_[column];
+    for (int i = piece.column_begin[column]; i < piece.column_begin[column + 1]; ++i) {
+      solved.noalias() -= entries_[i].transpose() * step_of(piece.rows[i]);
     }
-    backward_substitute<size>(diagonal_[slot(column)], solved);
-    step.segment<size>(size * static_cast<Eigen::Index>(piece.nodes[slot(column)])) = solved;
+    backward_substitute<size>(diagonal_[column], solved);
+    step.segment<size>(size * static_cast<Eigen::Index>(piece.nodes[column])) = solved;
     if (!damping_.empty()) {
-      damped += damping_[slot(column)].dot(solved.cwiseAbs2());
+      damped += damping_[column].dot(solved.cwiseAbs2());
     }
   }
   return damped;

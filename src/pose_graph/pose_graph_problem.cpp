@@ -15,8 +15,6 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-std::size_t slot(int index) { return static_cast<std::size_t>(index); }
-
 /// Relative pose of two nodes against its measurement; formulas in doc/back_end.md.
 struct SpatialError {
   Eigen::Matrix3d R_b;  ///< rotation of the second node in the first
@@ -73,28 +71,28 @@ class PoseGraphProblem : public CondensedProblem<size> {
 
   int node_count() const override { return static_cast<int>(graph_.nodes.size()); }
   int factor_count() const override { return static_cast<int>(ends_.size()); }
-  std::pair<int, int> nodes_of(int factor) const override { return ends_[slot(factor)]; }
+  std::pair<int, int> nodes_of(int factor) const override { return ends_[factor]; }
   bool is_fixed(int node) const override { return node == 0; }
 
   double cost(int factor) const override {
-    const auto [first, second] = ends_[slot(factor)];
-    const PoseEdge& edge = graph_.edges[slot(factor)];
+    const auto [first, second] = ends_[factor];
+    const PoseEdge& edge = graph_.edges[factor];
     if constexpr (size == 6) {
       const SpatialError e(edge, pose(first), pose(second));
       return loss_at(edge, e.error.dot(edge.information * e.error)).first;
     } else {
-      const PlanarError e(edge, planar_[slot(first)], planar_[slot(second)]);
+      const PlanarError e(edge, planar_[first], planar_[second]);
       return loss_at(edge, e.error.dot(e.information * e.error)).first;
     }
   }
 
   void linearise(int factor, FactorBlocks<size>& blocks) const override {
-    const auto [first, second] = ends_[slot(factor)];
-    const PoseEdge& edge = graph_.edges[slot(factor)];
+    const auto [first, second] = ends_[factor];
+    const PoseEdge& edge = graph_.edges[factor];
     if constexpr (size == 6) {
       linearise_spatial(edge, pose(first), pose(second), blocks);
     } else {
-      linearise_planar(edge, planar_[slot(first)], planar_[slot(second)], blocks);
+      linearise_planar(edge, planar_[first], planar_[second], blocks);
     }
   }
 
@@ -105,11 +103,11 @@ class PoseGraphProblem : public CondensedProblem<size> {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const double* d = step.data() + static_cast<std::ptrdiff_t>(size * i);
       if constexpr (size == 6) {
-        Pose& pose = graph_.nodes[slot(nodes[i])].pose;
+        Pose& pose = graph_.nodes[nodes[i]].pose;
         before_.push_back(to_block(pose));
         pose = to_pose(retract(before_.back().data(), d).data());
       } else {
-        Eigen::Vector3d& state = planar_[slot(nodes[i])];
+        Eigen::Vector3d& state = planar_[nodes[i]];
         before_.push_back({state.x(), state.y(), state.z(), 0.0, 0.0, 0.0, 0.0});
         state += Eigen::Map<const Eigen::Vector3d>(d);
         set_planar_pose(nodes[i]);
@@ -120,20 +118,18 @@ class PoseGraphProblem : public CondensedProblem<size> {
   void restore() override {
     for (std::size_t i = 0; i < moved_.size(); ++i) {
       if constexpr (size == 6) {
-        graph_.nodes[slot(moved_[i])].pose = to_pose(before_[i].data());
+        graph_.nodes[moved_[i]].pose = to_pose(before_[i].data());
       } else {
-        planar_[slot(moved_[i])] = Eigen::Map<const Eigen::Vector3d>(before_[i].data());
+        planar_[moved_[i]] = Eigen::Map<const Eigen::Vector3d>(before_[i].data());
         set_planar_pose(moved_[i]);
       }
     }
   }
 
  private:
-  const Pose& pose(int node) const { return graph_.nodes[slot(node)].pose; }
+  const Pose& pose(int node) const { return graph_.nodes[node].pose; }
 
-  void set_planar_pose(int node) {
-    graph_.nodes[slot(node)].pose = to_planar_pose(planar_[slot(node)].data());
-  }
+  void set_planar_pose(int node) { graph_.nodes[node].pose = to_planar_pose(planar_[node].data()); }
 
   /// Value and derivative of the loss of an edge at its squared norm.
   std::pair<double, double> loss_at(const PoseEdge& edge, double squared_norm) const {

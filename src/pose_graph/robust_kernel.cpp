@@ -150,7 +150,7 @@ double chi2_limit(int degrees_of_freedom) {
     throw InputError("there is no limit for " + std::to_string(degrees_of_freedom) +
                      " degrees of freedom; a constraint has 1 to 6");
   }
-  return kQuantiles[static_cast<std::size_t>(degrees_of_freedom - 1)];
+  return kQuantiles[degrees_of_freedom - 1];
 }
 
 }  // namespace lidar_mapping::pose_graph

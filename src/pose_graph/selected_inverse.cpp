@@ -37,7 +37,7 @@ void SelectedInverse::compute_column(int column) {
   const double diagonal = values[begin];
   double diagonal_sum = 1.0 / diagonal;
   for (int k = begin + 1; k < end; ++k) {
-    const double entry = -product_[static_cast<std::size_t>(k - begin)] / diagonal;
+    const double entry = -product_[k - begin] / diagonal;
     diagonal_sum -= entry * values[k];
     values[k] = entry;
   }
@@ -53,18 +53,17 @@ void SelectedInverse::multiply_column(int column) {
   const int begin = outer[column];
   const int end = outer[column + 1];
   product_.assign(static_cast<std::size_t>(end - begin), 0.0);
-  for (int k = begin + 1; k < end; ++k)
-    position_in_column_[static_cast<std::size_t>(rows[k])] = k - begin;
+  for (int k = begin + 1; k < end; ++k) position_in_column_[rows[k]] = k - begin;
   for (int k = begin + 1; k < end; ++k) {
     for (int entry = outer[rows[k]]; entry < outer[rows[k] + 1]; ++entry) {
-      const int position = position_in_column_[static_cast<std::size_t>(rows[entry])];
+      const int position = position_in_column_[rows[entry]];
       if (position < 0) continue;
-      product_[static_cast<std::size_t>(position)] += values[entry] * values[k];
+      product_[position] += values[entry] * values[k];
       if (position == k - begin) continue;
-      product_[static_cast<std::size_t>(k - begin)] += values[entry] * values[begin + position];
+      product_[k - begin] += values[entry] * values[begin + position];
     }
   }
-  for (int k = begin + 1; k < end; ++k) position_in_column_[static_cast<std::size_t>(rows[k])] = -1;
+  for (int k = begin + 1; k < end; ++k) position_in_column_[rows[k]] = -1;
 }
 
 double SelectedInverse::at(int row, int column) const {

@@ -85,7 +85,7 @@ Eigen::MatrixXd motions_along(const std::vector<Eigen::Vector3d>& directions) {
   const auto count = static_cast<Eigen::Index>(directions.size());
   Eigen::MatrixXd along = Eigen::MatrixXd::Zero(12, 2 * count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Vector3d& direction = directions[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d& direction = directions[i];
     along.block<3, 1>(0, i) = along.block<3, 1>(6, count + i) = direction;
   }
   return along;

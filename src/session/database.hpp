@@ -118,7 +118,7 @@ template <typename Matrix>
 Matrix to_matrix(const Blob& blob) {
   Matrix matrix;
   for (Eigen::Index i = 0; i < matrix.size(); ++i) {
-    matrix(i / matrix.cols(), i % matrix.cols()) = blob[static_cast<std::size_t>(i)];
+    matrix(i / matrix.cols(), i % matrix.cols()) = blob[i];
   }
   return matrix;
 }

@@ -178,8 +178,7 @@ TEST(BackEnd, RefusesLoopsWithInvalidIndices) {
 TEST(BackEnd, KeepsDataThatArriveDuringASolution) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
-  for (int i = 0; i < 700; ++i)
-    back_end.add_key_frame(drive.key_frames[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 700; ++i) back_end.add_key_frame(drive.key_frames[i]);
   std::mt19937 engine(5);
   for (int i = 400; i < 700; i += 5) back_end.add_loop(test::make_loop(drive, i - 400, i, engine));
   const auto problem = back_end.problem();

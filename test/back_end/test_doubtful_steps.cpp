@@ -113,8 +113,7 @@ TEST(DoubtfulStep, IsWeightedByItsKernelInTheInformationMatrix) {
   optimize(back_end, true);
   const auto problem = back_end.problem(true);
   const DriveFactors factors = make_factors(problem->drive, problem->config);
-  const pose_graph::Constraint& step =
-      factors.graph.constraints[static_cast<std::size_t>(factors.motion_of[kWrong])];
+  const pose_graph::Constraint& step = factors.graph.constraints[factors.motion_of[kWrong]];
   EXPECT_TRUE(step.doubtful);
   EXPECT_LT(pose_graph::kernel_weight(step, pose_graph::linearise(factors.graph, step).residual),
             0.01);

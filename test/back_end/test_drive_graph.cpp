@@ -166,7 +166,7 @@ TEST(CountUsage, CountsWhatIsUsedAndWhatIsNot) {
 
 /// Gives a node a tilt about x in the map, while its IMU says that it is level.
 void tilt(DriveGraph& drive, int node, double angle) {
-  drive.nodes[static_cast<std::size_t>(node)].T_map_base.rotation = exp_so3({angle, 0.0, 0.0});
+  drive.nodes[node].T_map_base.rotation = exp_so3({angle, 0.0, 0.0});
   DriveImu imu;
   imu.sample.orientation = Eigen::Quaterniond::Identity();
   imu.node = node;

@@ -35,7 +35,7 @@ class Segments {
       node.segment = static_cast<int>(i) / kSegmentNodes;
       node.connected = i % kSegmentNodes > 0;
       node.stamp = from_seconds(static_cast<double>(i));
-      node.T_map_base = T_map_enu_[static_cast<std::size_t>(node.segment)] * truth_[i];
+      node.T_map_base = T_map_enu_[node.segment] * truth_[i];
       node.T_odom_base = node.T_map_base;
       drive.nodes.push_back(node);
     }
@@ -72,11 +72,11 @@ class Segments {
     for (int i = 0; i < kSegmentNodes; ++i) add_gnss(segment * kSegmentNodes + i);
   }
 
-  const Pose& truth(int node) const { return truth_[static_cast<std::size_t>(node)]; }
+  const Pose& truth(int node) const { return truth_[node]; }
   /// Whether a segment lies where this frame has it.
   testing::AssertionResult is_at(int segment, const Pose& T_map_enu, double tolerance = 1e-9) {
     for (int i = segment * kSegmentNodes; i < (segment + 1) * kSegmentNodes; ++i) {
-      const Pose& found = drive.nodes[static_cast<std::size_t>(i)].T_map_base;
+      const Pose& found = drive.nodes[i].T_map_base;
       const auto result = test::near(found, T_map_enu * truth(i), tolerance);
       if (!result) return testing::AssertionFailure() << "node " << i << ": " << result.message();
     }
@@ -266,11 +266,11 @@ TEST(Georeferencing, AlignsTheBeginningIfTheWholeTrackHasDriftedTooFar) {
   for (int i = 16; i < kSegmentNodes; ++i) {
     const Pose drift{exp_so3({0.0, 0.0, 0.15}), {6.0, 0.0, 0.0}};
     bend = bend * drift;
-    segments.drive.nodes[static_cast<std::size_t>(i)].T_map_base = bend * segments.truth(i);
+    segments.drive.nodes[i].T_map_base = bend * segments.truth(i);
   }
   EXPECT_TRUE(georeference(segments.drive, with_gnss(), false).newly_aligned);
   for (int i = 0; i < 16; ++i) {
-    const Pose& found = segments.drive.nodes[static_cast<std::size_t>(i)].T_map_base;
+    const Pose& found = segments.drive.nodes[i].T_map_base;
     EXPECT_TRUE(test::near(found, segments.truth(i), 1e-3)) << i;
   }
 }
@@ -290,7 +290,7 @@ TEST(ShiftToGnss, MovesEachSectionOntoThePositionsNearIt) {
   Segments segments(std::vector<Pose>(12, Pose()));
   for (int s = 0; s < 12; ++s) {
     segments.add_gnss_to_segment(s);
-    segments.drive.in_enu[static_cast<std::size_t>(s)] = true;
+    segments.drive.in_enu[s] = true;
   }
   Vector6d drift = Vector6d::Zero();
   drift << 0.05, 0.02, 0.005, 0.0, 0.0, 0.0001;

@@ -29,8 +29,8 @@ DriveGraph five_segments() {
 
 void add_loop(DriveGraph& drive, int from, int to, bool used, bool evaluated) {
   DriveLoop loop;
-  loop.loop.from = drive.nodes[static_cast<std::size_t>(from)].index;
-  loop.loop.to = drive.nodes[static_cast<std::size_t>(to)].index;
+  loop.loop.from = drive.nodes[from].index;
+  loop.loop.to = drive.nodes[to].index;
   loop.loop.T_from_to.translation.x() = to - from;
   loop.from = from;
   loop.to = to;
@@ -92,7 +92,7 @@ TEST(DriveResults, PositionsHaveTheDelayOfTheirSegment) {
   for (const int node : {1, 3}) {
     DriveGnss gnss;
     gnss.node = node;
-    gnss.position.stamp = drive.nodes[static_cast<std::size_t>(node)].stamp;
+    gnss.position.stamp = drive.nodes[node].stamp;
     gnss.position.p_base_antenna = {0.0, 0.0, 2.0};
     drive.gnss.push_back(gnss);
   }

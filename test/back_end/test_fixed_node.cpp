@@ -39,13 +39,13 @@ TEST(FirstNode, HasTheConfiguredPrior) {
   for (int axis = 0; axis < 6; ++axis) {
     const double expected = axis < 3 ? 0.25 : turned;
     EXPECT_NEAR(cost_of_half(axis, config), expected, 1e-9) << axis;
-    config.fix_first_node_stddev[static_cast<std::size_t>(axis)] = 0.1;
+    config.fix_first_node_stddev[axis] = 0.1;
     for (int other = 0; other < 6; ++other) {
       const double factor = other == axis ? 100.0 : 1.0;
       EXPECT_NEAR(cost_of_half(other, config), factor * (other < 3 ? 0.25 : turned), 1e-6)
           << axis << " changed, " << other << " moved";
     }
-    config.fix_first_node_stddev[static_cast<std::size_t>(axis)] = 1.0;
+    config.fix_first_node_stddev[axis] = 1.0;
   }
 }
 

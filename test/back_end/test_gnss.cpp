@@ -41,7 +41,7 @@ TEST(Gnss, ThirtyMetresDetermineTheHeadingWithoutAnImu) {
     MappedDrive run(settings);
     BackEnd back_end(BackEndConfig{});
     for (int i = 0; i <= 30; ++i) {
-      back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
+      back_end.add_key_frame(run.drive.key_frames[i]);
       back_end.add_gnss(run.gnss(i));
     }
     optimize(back_end);
@@ -54,7 +54,7 @@ TEST(Gnss, ThirtyMetresDetermineTheHeadingWithoutAnImu) {
 /// Adds the first `metres` of a drive with fixes of this quality, and optimises.
 void drive_shortly(MappedDrive& run, int metres, double sigma_m, BackEnd& back_end) {
   for (int i = 0; i <= metres; ++i) {
-    back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
+    back_end.add_key_frame(run.drive.key_frames[i]);
     back_end.add_gnss(run.gnss(i, sigma_m));
   }
   EXPECT_TRUE(optimize(back_end).success);
@@ -103,7 +103,7 @@ TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   MappedDrive run;
   BackEnd back_end(BackEndConfig{});
   for (int i = 0; i < 12; ++i) {
-    back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
+    back_end.add_key_frame(run.drive.key_frames[i]);
     back_end.add_gnss(run.gnss(i));
   }
   EXPECT_TRUE(back_end.optimization_due());
@@ -301,7 +301,7 @@ TEST(Gnss, ReportsThatATrackIsTooShortForGeoreferencing) {
   MappedDrive run;
   BackEnd back_end(config);
   for (int i = 0; i < 3; ++i) {
-    back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
+    back_end.add_key_frame(run.drive.key_frames[i]);
     back_end.add_gnss(run.gnss(i));
   }
   const OptimizationReport report = optimize(back_end);

@@ -142,7 +142,7 @@ TEST(GnssDelay, IsEstimatedDuringTheDrivePerSegment) {
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
   for (int i = 0; i < 800; ++i) {
-    back_end.add_key_frame(drive.key_frames[static_cast<std::size_t>(i)]);
+    back_end.add_key_frame(drive.key_frames[i]);
     back_end.add_gnss(late_fix(drive, i, i < 400 ? 0.05 : 0.0, engine));
     if (i % 100 == 99) optimize(back_end);
   }

@@ -133,7 +133,7 @@ TEST(Imu, HeadingsWithPositionsRotateTheGraph) {
     std::mt19937 engine(2);
     for (int i = 0; i < 800; ++i) {
       GnssPosition position = test::make_gnss(drive, i, engine, 1.0);
-      position.R_enu_base = drive.truth[static_cast<std::size_t>(i)].rotation;
+      position.R_enu_base = drive.truth[i].rotation;
       back_end.add_gnss(position);
     }
     optimize(back_end);

@@ -69,10 +69,10 @@ PoseGraph laps(int count, unsigned seed) {
   const int lap = nodes / count;
   PoseGraph graph;
   for (int i = 0; i < nodes; ++i) {
-    const Pose& T_odom_now = drive.key_frames[static_cast<std::size_t>(i)].T_odom_base;
+    const Pose& T_odom_now = drive.key_frames[i].T_odom_base;
     graph.nodes.push_back({i, T_odom_now});
     if (i == 0) continue;
-    const Pose& T_odom_last = drive.key_frames[static_cast<std::size_t>(i - 1)].T_odom_base;
+    const Pose& T_odom_last = drive.key_frames[i - 1].T_odom_base;
     graph.edges.push_back({i - 1, i, T_odom_last.inverse() * T_odom_now, odometry});
   }
   for (int i = lap; i < nodes; i += 5) {

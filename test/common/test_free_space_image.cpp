@@ -27,7 +27,7 @@ Eigen::Vector3f at(float range, double azimuth_deg, double elevation_deg) {
 FreeSpaceImage image_of(const std::array<float, 9>& ranges) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 9; ++i) {
-    const float range = ranges[static_cast<std::size_t>(i)];
+    const float range = ranges[i];
     if (range == 0.0F) continue;
     points.push_back(at(range, 0.75 + 1.5 * (i % 3 - 1), 1.0 + 2.0 * (i / 3 - 1)));
   }

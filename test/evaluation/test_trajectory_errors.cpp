@@ -102,8 +102,7 @@ TEST(RelativeErrors, OfAScaledTrack) {
 TEST(RelativeErrors, OfADriftingHeading) {
   Trajectory turning = straight(201);
   for (int i = 0; i < 201; ++i) {
-    turning.poses[static_cast<std::size_t>(i)].pose.rotation =
-        exp_so3({0.0, 0.0, 0.01 * i * M_PI / 180.0});
+    turning.poses[i].pose.rotation = exp_so3({0.0, 0.0, 0.01 * i * M_PI / 180.0});
   }
   const KittiErrors errors = kitti_errors(associate(straight(201), turning), {100.0}, 10);
   EXPECT_NEAR(errors.rotation_deg_per_100m, 1.0, 1e-9);

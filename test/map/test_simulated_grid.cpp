@@ -52,7 +52,7 @@ class Grid {
     const auto [column, row] = cell;
     if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return 205;
     const int line = rows_ - 1 - row;
-    return static_cast<std::uint8_t>(bytes_[static_cast<std::size_t>(line * columns_ + column)]);
+    return static_cast<std::uint8_t>(bytes_[line * columns_ + column]);
   }
 
   double free_fraction(const std::set<Cell>& cells) const {

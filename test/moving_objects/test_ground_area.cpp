@@ -52,7 +52,7 @@ TEST(GroundArea, NumbersColumnsAroundPoints) {
         const Cell near = {cell.first + dx, cell.second + dy};
         expected.insert(near);
         EXPECT_EQ(area.index_of({near.first, near.second}),
-                  rows[static_cast<std::size_t>(dy + 2)] + static_cast<std::uint32_t>(dx + 2));
+                  rows[dy + 2] + static_cast<std::uint32_t>(dx + 2));
       }
     }
   }

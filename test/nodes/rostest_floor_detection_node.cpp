@@ -63,7 +63,7 @@ TEST_F(FloorDetectionNode, AnswersEveryScanWhetherThereIsAFloorOrNot) {
   send(3, hall());
   ASSERT_TRUE(floors_.wait_for(4)) << node_.output();
   for (int i = 0; i < 4; ++i) {
-    const FloorMessage& message = floors_.messages[static_cast<std::size_t>(i)];
+    const FloorMessage& message = floors_.messages[i];
     EXPECT_EQ(from_ros(message.header.stamp), stamp_of(i));
     EXPECT_EQ(message.header.frame_id, "car");
     EXPECT_EQ(message.found != 0, i == 0 || i == 3) << i;

@@ -69,7 +69,7 @@ TEST_F(FrontEndNode, GivesOdometryForEachScanWithItsStampBitForBit) {
   drive(0, 12);
   ASSERT_TRUE(odometry_.wait_for(12));
   for (int step = 0; step < 12; ++step) {
-    const nav_msgs::Odometry& message = odometry_.messages[static_cast<std::size_t>(step)];
+    const nav_msgs::Odometry& message = odometry_.messages[step];
     EXPECT_EQ(from_ros(message.header.stamp), stamp_of(step));
     EXPECT_EQ(message.header.frame_id, "odom");
     EXPECT_EQ(message.child_frame_id, "base_link");

@@ -62,7 +62,7 @@ TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   drive(5, 10);
   ASSERT_TRUE(synced_.wait_for(10));
   for (int step = 0; step < 10; ++step) {
-    const auto& message = synced_.messages[static_cast<std::size_t>(step)];
+    const auto& message = synced_.messages[step];
     EXPECT_EQ(from_ros(message.header.stamp), stamp_of(step));
     EXPECT_EQ(message.header.frame_id, "lidar");
   }

@@ -39,8 +39,7 @@ PoseGraph short_loops() {
   const Matrix6d information = test::information_of(0.05, 0.2);
   for (int i = 10; i < 300; ++i) {
     const int from = i - 2 - static_cast<int>(engine() % 8);
-    const Pose motion = graph.nodes[static_cast<std::size_t>(from)].pose.inverse() *
-                        graph.nodes[static_cast<std::size_t>(i)].pose;
+    const Pose motion = graph.nodes[from].pose.inverse() * graph.nodes[i].pose;
     graph.edges.push_back({from, i, test::measured(motion, engine, 0.05, 0.2), information});
   }
   return graph;
@@ -259,14 +258,12 @@ FactorGraph drives_with_positions(std::mt19937& engine) {
                static_cast<int>(edge.from), static_cast<int>(edge.to)});
   }
   for (const int first : {0, 700}) {
-    graph.add({prior_residual(drive.truth[static_cast<std::size_t>(first)],
-                              test::information_of(1.0, 5.0)),
-               first});
+    graph.add({prior_residual(drive.truth[first], test::information_of(1.0, 5.0)), first});
   }
   std::normal_distribution<double> normal(0.0, 0.05);
   const Eigen::Vector3d lever(0.5, 0.2, 1.5);
   for (int i = 0; i < settings.key_frames; i += 25) {
-    const Pose& truth = drive.truth[static_cast<std::size_t>(i)];
+    const Pose& truth = drive.truth[i];
     const Eigen::Vector3d position =
         truth * lever + Eigen::Vector3d(normal(engine), normal(engine), normal(engine));
     graph.add(

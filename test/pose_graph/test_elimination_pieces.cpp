@@ -60,7 +60,7 @@ TEST(EliminationPieces, HaveEachFactorOnceWithItsNodes) {
   for (const Piece& piece : division.pieces) {
     for (const PieceFactor& factor : piece.factors) {
       seen.insert(factor.factor);
-      const auto& [a, b] = factors[static_cast<std::size_t>(factor.factor)];
+      const auto& [a, b] = factors[factor.factor];
       EXPECT_EQ(unknown_of(division, piece, factor.first), a);
       EXPECT_EQ(unknown_of(division, piece, factor.second), b);
       if (a < 0 || b < 0) {

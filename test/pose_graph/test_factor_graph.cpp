@@ -61,7 +61,7 @@ TEST_P(RowCount, AllNumbersOfRowsReachTheMinimum) {
     // Number of rows of the first constraint that measure coordinate i.
     const double count = (GetParam() + 2 - i) / 3;
     const double mean = (count * first_measurement[i] + second_measurement[i]) / (count + 1.0);
-    EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
+    EXPECT_NEAR(graph.states[0][i], mean, 1e-9);
   }
 }
 

@@ -101,8 +101,7 @@ class RandomGraph {
   }
 
   void add_motion(int from, int to, double error, RobustKernel kernel) {
-    const Pose motion =
-        truth_[static_cast<std::size_t>(from)].inverse() * truth_[static_cast<std::size_t>(to)];
+    const Pose motion = truth_[from].inverse() * truth_[to];
     const Pose measured = perturbed(motion, Vector6d(error * noise(0.05, 0.01)));
     Constraint constraint;
     constraint.first = from;
@@ -180,9 +179,7 @@ TEST_P(GaussNewton, ReachesTheMinimumOfCeres) {
       EXPECT_NEAR(found.final_cost, by_ceres.final_cost,
                   GetParam().cost_tolerance() * by_ceres.final_cost);
       for (int i = 0; i < nodes; ++i) {
-        ASSERT_TRUE(test::near(graph.pose(i), expected[static_cast<std::size_t>(i)],
-                               GetParam().pose_tolerance()))
-            << i;
+        ASSERT_TRUE(test::near(graph.pose(i), expected[i], GetParam().pose_tolerance())) << i;
       }
     }
   }
@@ -207,15 +204,13 @@ TEST(GaussNewtonSolver, LeavesFixedAndUnconstrainedNodesWhereTheyAre) {
   const std::vector<StateBlock> start = graph.states;
   ASSERT_TRUE(random.solve_by_gauss_newton(graph).usable);
   for (const int node : {0, 12, unconstrained}) {
-    EXPECT_EQ(graph.states[static_cast<std::size_t>(node)], start[static_cast<std::size_t>(node)])
-        << node;
+    EXPECT_EQ(graph.states[node], start[node]) << node;
   }
   const std::vector<StateBlock> found = graph.states;
   graph.states = start;
   ASSERT_TRUE(random.solve_by_ceres(graph).usable);
   for (int i = 0; i < 30; ++i) {
-    EXPECT_TRUE(test::near(to_pose(found[static_cast<std::size_t>(i)].data()), graph.pose(i), 1e-5))
-        << i;
+    EXPECT_TRUE(test::near(to_pose(found[i].data()), graph.pose(i), 1e-5)) << i;
   }
 }
 

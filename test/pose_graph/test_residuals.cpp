@@ -77,11 +77,11 @@ Eigen::MatrixXd analytic(const ceres::CostFunction& cost, const Blocks& blocks, 
 StateBlock stepped(const StateBlock& block, bool planar, int axis, double step) {
   if (planar) {
     StateBlock result = block;
-    result[static_cast<std::size_t>(axis)] += step;
+    result[axis] += step;
     return result;
   }
   std::array<double, 6> d{};
-  d[static_cast<std::size_t>(axis)] = step;
+  d[axis] = step;
   return retract(block.data(), d.data());
 }
 

@@ -55,7 +55,7 @@ TEST(Preprocessor, RunsWithEverySubsetOfSensors) {
 TEST(Preprocessor, ReturnsEveryScanOnceAndInOrder) {
   std::mt19937 engine(5);
   std::vector<int> order(40);
-  for (int i = 0; i < 40; ++i) order[static_cast<std::size_t>(i)] = i;
+  for (int i = 0; i < 40; ++i) order[i] = i;
   for (std::size_t i = 0; i + 1 < order.size(); i += 2) {
     if (engine() % 2 == 0) std::swap(order[i], order[i + 1]);
   }

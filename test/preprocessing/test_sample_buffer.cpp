@@ -22,7 +22,7 @@ using test::at;
 TEST(SampleBuffer, SortsSamplesByTheirStamps) {
   std::mt19937 engine(1);
   std::vector<int> order(100);
-  for (int i = 0; i < 100; ++i) order[static_cast<std::size_t>(i)] = i;
+  for (int i = 0; i < 100; ++i) order[i] = i;
   for (std::size_t i = 0; i + 5 < order.size(); i += 5) {
     std::shuffle(order.begin() + static_cast<long>(i), order.begin() + static_cast<long>(i) + 5,
                  engine);

@@ -127,7 +127,7 @@ TEST(ScanTimes, FollowTheAzimuthInBothDirections) {
       }
       EXPECT_EQ(normalize_times(cloud, false, config).problem, "");
       for (int i = 0; i < 360; ++i) {
-        EXPECT_NEAR(cloud.times[static_cast<std::size_t>(i)], 0.1 * (i + 0.5) / 360.0, 1e-6);
+        EXPECT_NEAR(cloud.times[i], 0.1 * (i + 0.5) / 360.0, 1e-6);
       }
     }
   }

@@ -28,7 +28,7 @@ TEST(StageThread, KeepsTheOrderAndBoundsWhatWaits) {
   }
   stage.finish();
   ASSERT_EQ(seen.size(), 1000U);
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], i);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(seen[i], i);
   EXPECT_LE(most, 5);  // three in the queue, one in the hand, one counted late
 }
 

@@ -139,7 +139,7 @@ inline StreetGraph make_street_graph(const StreetSettings& s) {
   constexpr int kApart = 50;
   for (int i = 0; i < s.key_frames; ++i) {
     result.truth.push_back(driver.pose());
-    int& last = last_at[static_cast<std::size_t>(driver.place())];
+    int& last = last_at[driver.place()];
     if (last >= 0 && i - last > kApart) pairs.emplace_back(last, i);
     last = i;
     driver.advance();
@@ -165,8 +165,7 @@ inline StreetGraph make_street_graph(const StreetSettings& s) {
   for (std::size_t k = 0; k < wanted; ++k) {
     auto [from, to] = pairs[k * pairs.size() / wanted];
     from = std::clamp(from + shift(engine), 0, to - kApart);
-    const Pose motion = result.truth[static_cast<std::size_t>(from)].inverse() *
-                        result.truth[static_cast<std::size_t>(to)];
+    const Pose motion = result.truth[from].inverse() * result.truth[to];
     edges.push_back({from, to, measured(motion, engine, s.loop_stddev_m, s.loop_stddev_deg), loop});
   }
   return result;

@@ -91,10 +91,9 @@ inline Loop make_loop(const SyntheticDrive& drive, int from, int to, std::mt1993
   Loop loop;
   loop.from = static_cast<KeyFrameIndex>(from);
   loop.to = static_cast<KeyFrameIndex>(to);
-  loop.stamp = drive.key_frames[static_cast<std::size_t>(to)].stamp;
-  loop.T_from_to = perturbed(drive.truth[static_cast<std::size_t>(from)].inverse() *
-                                 drive.truth[static_cast<std::size_t>(to)],
-                             noise(engine, sigma_m, sigma_rad));
+  loop.stamp = drive.key_frames[to].stamp;
+  loop.T_from_to =
+      perturbed(drive.truth[from].inverse() * drive.truth[to], noise(engine, sigma_m, sigma_rad));
   loop.covariance = diagonal_covariance(sigma_m, sigma_rad);
   return loop;
 }
@@ -104,10 +103,10 @@ inline GnssPosition make_gnss(const SyntheticDrive& drive, int at, std::mt19937&
                               const Eigen::Vector3d& lever = Eigen::Vector3d(0.5, 0.2, 1.5)) {
   std::normal_distribution<double> normal(0.0, sigma_m);
   GnssPosition position;
-  position.stamp = drive.key_frames[static_cast<std::size_t>(at)].stamp;
+  position.stamp = drive.key_frames[at].stamp;
   position.p_base_antenna = lever;
-  position.p_enu_antenna = drive.truth[static_cast<std::size_t>(at)] * lever +
-                           Eigen::Vector3d(normal(engine), normal(engine), normal(engine));
+  position.p_enu_antenna =
+      drive.truth[at] * lever + Eigen::Vector3d(normal(engine), normal(engine), normal(engine));
   position.covariance = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
   return position;
 }

@@ -130,7 +130,7 @@ VerticalStructureMap::Fit VerticalStructureMap::evaluate(const std::vector<Eigen
     const Eigen::Vector3f p = T * point;
     if (!nearest(p, mean) || (p - mean).norm() > kKernelWidth) continue;
     ++fit.matched_points;
-    ++matched_per_direction[static_cast<std::size_t>(direction_of(point))];
+    ++matched_per_direction[direction_of(point)];
   }
   const int limit =
       std::max(kMinPointsPerDirection, static_cast<int>(points.size()) / kDirectionDivisor);

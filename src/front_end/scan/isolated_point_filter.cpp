@@ -123,7 +123,7 @@ inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
   const std::int32_t level = (bits >> kExponentShift) - kFirstExponent + 1;
   // NaN has the highest exponent, so it gets no level.
   if (level < 1 || level > static_cast<std::int32_t>(kMaxLevels)) return {};
-  const float scale = inverse_edge_[static_cast<std::size_t>(level)];
+  const float scale = inverse_edge_[level];
   return {static_cast<std::uint32_t>(level), x * scale + kAxisMiddle, y * scale + kAxisMiddle,
           z * scale + kAxisMiddle};
 }

@@ -60,7 +60,7 @@ std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
 double bins_per_ring(const Sector& sector) {
   int first = -1, last = -1, runs = 0;
   for (int i = 0; i < static_cast<int>(kBins); ++i) {
-    if (!sector[static_cast<std::size_t>(i)]) continue;
+    if (!sector[i]) continue;
     if (first < 0) first = i;
     if (last < 0 || last + 1 < i) ++runs;
     last = i;

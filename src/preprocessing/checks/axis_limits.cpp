@@ -15,7 +15,7 @@ constexpr int kMinEqualSamples = 3;
 
 void AxisLimits::add(const Eigen::Vector3d& value) {
   for (int i = 0; i < 3; ++i) {
-    Axis& axis = axes_[static_cast<std::size_t>(i)];
+    Axis& axis = axes_[i];
     const double size = std::abs(value[i]);
     axis.equal_samples = value[i] == axis.last ? axis.equal_samples + 1 : 1;
     axis.last = value[i];
@@ -28,7 +28,7 @@ void AxisLimits::add(const Eigen::Vector3d& value) {
 
 bool AxisLimits::reaches_limit(const Eigen::Vector3d& value) const {
   for (int i = 0; i < 3; ++i) {
-    const std::optional<double>& limit = axes_[static_cast<std::size_t>(i)].limit;
+    const std::optional<double>& limit = axes_[i].limit;
     if (limit && std::abs(value[i]) >= *limit) return true;
   }
   return false;

@@ -53,7 +53,7 @@ PointCloud filtered_by(Filter& filter, PointCloud cloud) {
   std::vector<int> indices;
   filter.filter(indices);
   std::vector<bool> keep(cloud.size(), false);
-  for (const int index : indices) keep[static_cast<std::size_t>(index)] = true;
+  for (const int index : indices) keep[index] = true;
   keep_if(cloud, [&](std::size_t i) { return keep[i]; });
   return cloud;
 }

@@ -80,7 +80,7 @@ Eigen::Vector3d ray_direction(const LidarModel& model, std::size_t frame, int co
     case ScanPattern::kSpinning:
       break;
   }
-  return direction(column_azimuth(model, column), model.elevations[static_cast<std::size_t>(beam)]);
+  return direction(column_azimuth(model, column), model.elevations[beam]);
 }
 
 }  // namespace
