@@ -5,6 +5,27 @@ target_compile_options(lidar_mapping_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<BOOL:${LIDAR_MAPPING_WERROR}>:-Werror>)
 
+# Several sources of a target are compiled as one: most of the time goes into headers and templates that all
+# of them use. -DCMAKE_UNITY_BUILD=OFF compiles each by itself, as editors and clang-tidy want it, and is
+# quicker where one source is changed again and again.
+if(NOT DEFINED CMAKE_UNITY_BUILD)
+  set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile several sources of a target as one")
+endif()
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # It takes the sources for headers, whose types are not to have parts of anonymous namespaces.
+  target_compile_options(lidar_mapping_warnings INTERFACE -Wno-subobject-linkage)
+endif()
+
+# lidar_mapping_separate(a.cpp ...): compiled by themselves in any case, because they have a name in an
+# anonymous namespace that another source of their target has, too. All functions below take such sources
+# behind SEPARATE.
+function(lidar_mapping_separate)
+  if(NOT ARGN)
+    return()
+  endif()
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # Headers that are read once for all targets of libraries and programs; tests have more of them
 # (test/CMakeLists.txt). They belong to a target that is no shared library, because such a one defines
 # a macro of its own.
@@ -59,9 +80,10 @@ set(LIDAR_MAPPING_LIBRARIES
 
 # lidar_mapping_stage(NAME SOURCES a.cpp ... USES common ... [PUBLIC libs] [PRIVATE libs])
 function(lidar_mapping_stage name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;USES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;USES;PUBLIC;PRIVATE" ${ARGN})
+  lidar_mapping_separate(${ARG_SEPARATE})
   set(target lidar_mapping_${name})
-  add_library(${target} ${ARG_SOURCES})
+  add_library(${target} ${ARG_SOURCES} ${ARG_SEPARATE})
   list(TRANSFORM ARG_USES PREPEND lidar_mapping_)
   target_include_directories(${target}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
@@ -81,7 +103,8 @@ endfunction()
 # lidar_mapping_room(NAME [SOURCES a.cpp ...] LIBRARIES libs): what several programs share and nobody
 # else may use. It is linked into each of them, and its headers lie beside its sources.
 function(lidar_mapping_room name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;LIBRARIES" ${ARGN})
+  lidar_mapping_separate(${ARG_SEPARATE})
   set(target lidar_mapping_${name})
   if(NOT ARG_SOURCES)
     add_library(${target} INTERFACE)
@@ -89,7 +112,7 @@ function(lidar_mapping_room name)
     target_link_libraries(${target} INTERFACE ${ARG_LIBRARIES})
     return()
   endif()
-  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(${target} STATIC ${ARG_SOURCES} ${ARG_SEPARATE})
   target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(${target} PUBLIC ${ARG_LIBRARIES} PRIVATE lidar_mapping_warnings)
   if(NOT name STREQUAL test_main)
@@ -110,8 +133,9 @@ endfunction()
 
 # lidar_mapping_executable(NAME SOURCES a.cpp ... LIBRARIES libs): a node or a command
 function(lidar_mapping_executable name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;LIBRARIES" ${ARGN})
+  lidar_mapping_separate(${ARG_SEPARATE})
+  add_executable(${name} ${ARG_SOURCES} ${ARG_SEPARATE})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} lidar_mapping_warnings)
   lidar_mapping_precompile(${name} lidar_mapping_precompiled)
   if(catkin_FOUND)
@@ -125,13 +149,14 @@ endfunction()
 # lidar_mapping_test(NAME SOURCES a.cpp ... LIBRARIES libs): one GTest program; it also sees the headers
 # that lie beside the sources of the stage that its folder is named after.
 function(lidar_mapping_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;LIBRARIES" ${ARGN})
+  lidar_mapping_separate(${ARG_SEPARATE})
   if(catkin_FOUND)
-    catkin_add_gtest(${name} ${ARG_SOURCES} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
+    catkin_add_gtest(${name} ${ARG_SOURCES} ${ARG_SEPARATE} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
     target_link_libraries(${name} lidar_mapping_test_main ${ARG_LIBRARIES} lidar_mapping_warnings)
   else()
-    add_executable(${name} ${ARG_SOURCES})
+    add_executable(${name} ${ARG_SOURCES} ${ARG_SEPARATE})
     target_link_libraries(${name} PRIVATE lidar_mapping_test_main ${ARG_LIBRARIES} lidar_mapping_warnings)
     add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
   endif()

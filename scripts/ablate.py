@@ -189,7 +189,8 @@ def build(copy, log):
     with open(log, 'w') as output:
         if not (copy / '.build/CMakeCache.txt').exists():
             launcher = ['-DCMAKE_CXX_COMPILER_LAUNCHER=ccache'] if shutil.which('ccache') else []
-            subprocess.run(['cmake', '-S', copy, '-B', copy / '.build', *launcher],
+            # One source is changed at a time.
+            subprocess.run(['cmake', '-S', copy, '-B', copy / '.build', '-DCMAKE_UNITY_BUILD=OFF', *launcher],
                            stdout=output, stderr=output, check=True)
         command = ['cmake', '--build', copy / '.build', '--target', TARGET, '-j1']
         with subprocess.Popen(command, stdout=output, stderr=output, start_new_session=True) as process:

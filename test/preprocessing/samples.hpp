@@ -8,7 +8,7 @@
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
 /// Hand-made input of the preprocessing tests.
-namespace lidar_mapping::preprocessing::test {
+namespace lidar_mapping::test {
 
 /// An epoch whose nanoseconds no float and no double of seconds can hold.
 constexpr Stamp kEpoch = 1317384506123456789;
@@ -19,8 +19,8 @@ inline Stamp at(double seconds) { return kEpoch + from_seconds(seconds); }
 inline std::optional<Pose> identity_lookup(const std::string&) { return Pose::Identity(); }
 
 /// A ring of points at 10 m around the sensor.
-inline RawScan ring_scan(Stamp stamp, int count = 100) {
-  RawScan scan;
+inline preprocessing::RawScan ring_scan(Stamp stamp, int count = 100) {
+  preprocessing::RawScan scan;
   scan.stamp = stamp;
   scan.frame_id = "lidar";
   for (int i = 0; i < count; ++i) {
@@ -61,12 +61,14 @@ inline GnssFix fix(Stamp stamp, double latitude_deg = 49.0, double longitude_deg
 template <typename Stage>
 std::string messages_of(Stage& stage) {
   std::string text;
-  for (const Diagnostic& diagnostic : stage.take_diagnostics()) text += diagnostic.text + "\n";
+  for (const preprocessing::Diagnostic& diagnostic : stage.take_diagnostics())
+    text += diagnostic.text + "\n";
   return text;
 }
 
-inline void append(std::vector<SyncedScan>& all, std::vector<SyncedScan> more) {
-  for (SyncedScan& scan : more) all.push_back(std::move(scan));
+inline void append(std::vector<preprocessing::SyncedScan>& all,
+                   std::vector<preprocessing::SyncedScan> more) {
+  for (preprocessing::SyncedScan& scan : more) all.push_back(std::move(scan));
 }
 
-}  // namespace lidar_mapping::preprocessing::test
+}  // namespace lidar_mapping::test

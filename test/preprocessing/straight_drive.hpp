@@ -9,14 +9,14 @@
 
 #include "samples.hpp"
 
-namespace lidar_mapping::preprocessing::test {
+namespace lidar_mapping::test {
 
 /// A drive straight ahead at 10 m/s in the order in which a recorder would store it: IMU 100 Hz,
 /// velocity 50 Hz, GNSS 10 Hz, scans 10 Hz. `missing(name, t)` leaves samples out.
 template <typename Missing>
-std::vector<SyncedScan> drive(Preprocessor& stage, double seconds, const Missing& missing,
-                              double start = 0.0) {
-  std::vector<SyncedScan> out;
+std::vector<preprocessing::SyncedScan> drive(preprocessing::Preprocessor& stage, double seconds,
+                                             const Missing& missing, double start = 0.0) {
+  std::vector<preprocessing::SyncedScan> out;
   const int ticks = static_cast<int>(std::lround(seconds * 100.0));
   for (int tick = 0; tick < ticks; ++tick) {
     const double t = start + 0.01 * tick;
@@ -34,4 +34,4 @@ std::vector<SyncedScan> drive(Preprocessor& stage, double seconds, const Missing
 
 inline const auto kNothingMissing = [](const std::string&, double) { return false; };
 
-}  // namespace lidar_mapping::preprocessing::test
+}  // namespace lidar_mapping::test
