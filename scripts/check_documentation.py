@@ -54,6 +54,7 @@ SHORTENED = (
     (r'--start 60', r'--start 60 --duration 63'),
     (r'--duration 100', r'--duration 3'),
     (r'odometry_campaign .*', r'odometry_campaign --lidars vlp16 --duration 3 --case clean'),
+    (r'odometry_benchmark drive\.bag --method (V?GICP)', r'odometry_benchmark a_0.bag --method \1'),
     (r'rosbag play (?!.*-r )', r'rosbag play -r 3 '),
     (r'http\.server 8000', r'http.server --bind 127.0.0.1 0'),  # on a free port
 )
