@@ -18,8 +18,9 @@ constexpr double kHeightQuantile = 10.8;    // 99.9 % of chi-square, one degree 
 constexpr double kMaxRoofedFraction = 0.2;  // of cells; chosen: trees and signs give less
 constexpr double kGnssQuantile = 3.3;       // standard deviations: 99.9 % of a normal distribution
 
-// Within these standard deviations only one location is possible. Chosen: three of them are less
-// than a lane, half a storey and the turn to another street.
+// Within these standard deviations only one location is possible, and within these differences two
+// poses are one. Chosen: three of them are less than a lane, half a storey and the turn to another
+// street.
 constexpr double kCertainHorizontal = 1.0;    // m
 constexpr double kCertainVertical = 0.5;      // m; storeys are 3 m apart
 constexpr double kCertainRotation = 0.35;     // rad
@@ -182,6 +183,12 @@ bool is_unambiguous(const Match& match, const Prior& prior) {
   return prior.sigma_horizontal <= kCertainHorizontal && prior.sigma_vertical <= kCertainVertical &&
          prior.sigma_rotation <= kCertainRotation &&
          innovation_of(prior, match.alignment.T_target_source).whole <= kExpectedInnovation;
+}
+
+bool are_one_location(const Pose& a, const Pose& b) {
+  const Vector6d d = difference(a, b);
+  return d.head<2>().norm() <= kCertainHorizontal && std::abs(d.z()) <= kCertainVertical &&
+         d.tail<3>().norm() <= kCertainRotation;
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -44,6 +44,10 @@ Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig&
 /// other candidates can only show the same location.
 bool is_unambiguous(const Match& match, const Prior& prior);
 
+/// True if two poses are one location: less than a lane, half a storey and the turn to another
+/// street apart.
+bool are_one_location(const Pose& a, const Pose& b);
+
 /// A sentence such as "overlap 0.43 below the limit 0.50 (parameter)".
 std::string figure_sentence(const std::string& figure, double value, const std::string& relation,
                             double limit, const std::string& parameter);

@@ -122,7 +122,7 @@ VerifiedCandidate LoopCloser::Impl::matched(const Candidate& candidate) {
 }
 
 /// Verifies the best candidates in turn. If the estimate allows only one location, the search ends
-/// with the first accepted one; if locations may be confused, all are matched.
+/// with the first accepted one; if locations may be confused, those at other locations follow.
 std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   const std::vector<Candidate> candidates = selected_candidates();
   if (candidates.empty()) return {};
@@ -130,7 +130,13 @@ std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   view_.reset();
   query_.reset();
   std::vector<VerifiedCandidate> verified;
+  const auto is_shown = [&](const Candidate& candidate) {
+    return std::any_of(verified.begin(), verified.end(), [&](const VerifiedCandidate& other) {
+      return other.is_accepted() && shows_the_same(candidate, other, trajectory());
+    });
+  };
   for (const Candidate& candidate : candidates) {
+    if (is_shown(candidate)) continue;
     const auto refused = refused_by_views(candidate);
     verified.push_back(refused ? *refused : matched(candidate));
     if (is_conclusive(verified.back())) break;

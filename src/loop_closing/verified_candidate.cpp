@@ -18,11 +18,13 @@ constexpr double kRivalMargin = 0.15;
 // drive that is not optimised yet, below the distance of two streets.
 constexpr double kOtherPlace = 10.0;
 
-/// The position of the newest key frame by a match, in the newest estimate of the other one's
-/// segment, m.
+/// The pose of the newest key frame by a match, in the newest estimate of the other one's segment.
+Pose pose_by(const VerifiedCandidate& verified, const Trajectory& trajectory) {
+  return trajectory[verified.candidate.node].T_map_base * verified.match.alignment.T_target_source;
+}
+
 Eigen::Vector3d position_by(const VerifiedCandidate& verified, const Trajectory& trajectory) {
-  return (trajectory[verified.candidate.node].T_map_base * verified.match.alignment.T_target_source)
-      .translation;
+  return pose_by(verified, trajectory).translation;
 }
 
 bool are_rivals(const VerifiedCandidate& a, const VerifiedCandidate& b,
@@ -91,6 +93,17 @@ VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, c
 
 bool is_conclusive(const VerifiedCandidate& verified) {
   return verified.is_accepted() && is_unambiguous(verified.match, verified.candidate.prior);
+}
+
+bool shows_the_same(const Candidate& candidate, const VerifiedCandidate& accepted,
+                    const Trajectory& trajectory) {
+  const auto is_of_the_map = [](const Candidate& c) {
+    return c.prior.anchored && !(c.prior.height_jumps > 0.0);
+  };
+  if (!is_of_the_map(candidate) || !is_of_the_map(accepted.candidate)) return false;
+  const Pose matched = pose_by(accepted, trajectory);
+  return are_one_location(matched, trajectory[trajectory.size() - 1].T_map_base) &&
+         are_one_location(matched, trajectory[candidate.node].T_map_base * candidate.T_from_to);
 }
 
 bool is_unanchored(const VerifiedCandidate& verified) {

@@ -33,6 +33,11 @@ VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, c
 
 /// True if no other candidate has to be matched: this one is accepted and unambiguous.
 bool is_conclusive(const VerifiedCandidate& verified);
+/// True if a match of the candidate could only tell what the accepted one has told: from its
+/// starting pose the newest key frame stands where this one has it, and where the estimate has it.
+/// Never true unless constraints connect all of them, without a jump in height.
+bool shows_the_same(const Candidate& candidate, const VerifiedCandidate& accepted,
+                    const Trajectory& trajectory);
 /// True if nothing but the match itself tells where the newest key frame is: no constraints connect
 /// the two, and GNSS is no better.
 bool is_unanchored(const VerifiedCandidate& verified);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "drive.hpp"
 #include "near.hpp"
 #include "verified_candidate.hpp"
@@ -74,6 +76,53 @@ TEST(RefuseAllButBest, AcceptsNoMatchesAtAll) {
   std::vector<VerifiedCandidate> undecided = {verified_at(0, 0.8, 0.0, kOpen)};
   refuse_all_but_best(undecided, street());
   EXPECT_EQ(verdicts_of(undecided), std::vector<Verdict>{kOpen});
+}
+
+/// Of the street: a candidate from whose starting pose the newest key frame, which the estimate has
+/// at x = 10 m, stands at `newest`.
+Candidate starting_at(std::size_t node, const Pose& newest) {
+  Candidate candidate;
+  candidate.node = node;
+  candidate.prior.anchored = true;
+  candidate.T_from_to = street()[node].T_map_base.inverse() * newest;
+  return candidate;
+}
+VerifiedCandidate matched_at(std::size_t node, const Pose& newest) {
+  VerifiedCandidate entry = verified_at(node, 0.9, 0.0);
+  entry.candidate = starting_at(node, newest);
+  entry.match.alignment.T_target_source = entry.candidate.T_from_to;
+  return entry;
+}
+
+TEST(ShowsTheSame, IfEstimateMatchAndStartingPoseAreOneLocation) {
+  const Pose estimate = planar(10.0, 0.0, 0.0);
+  const VerifiedCandidate accepted = matched_at(0, planar(10.2, 0.3, 0.02));
+  EXPECT_TRUE(shows_the_same(starting_at(1, planar(10.6, 0.0, 0.0)), accepted, street()));
+  EXPECT_FALSE(shows_the_same(starting_at(1, planar(10.2, 3.5, 0.0)), accepted, street()))
+      << "the next lane";
+  EXPECT_FALSE(shows_the_same(starting_at(1, planar(10.2, 0.3, kPi)), accepted, street()))
+      << "the other direction";
+  Pose storey = estimate;
+  storey.translation.z() = 3.0;
+  EXPECT_FALSE(shows_the_same(starting_at(1, storey), accepted, street())) << "the next storey";
+  EXPECT_FALSE(shows_the_same(starting_at(1, planar(12.0, 0.0, 0.0)),
+                              matched_at(0, planar(12.0, 0.0, 0.0)), street()))
+      << "both contradict the estimate";
+}
+
+TEST(ShowsTheSame, OnlyWithinWhatConstraintsConnect) {
+  const Pose estimate = planar(10.0, 0.0, 0.0);
+  Candidate candidate = starting_at(1, estimate);
+  VerifiedCandidate accepted = matched_at(0, estimate);
+  ASSERT_TRUE(shows_the_same(candidate, accepted, street()));
+  candidate.prior.height_jumps = 1.0;
+  EXPECT_FALSE(shows_the_same(candidate, accepted, street()));
+  candidate.prior.height_jumps = 0.0;
+  accepted.candidate.prior.anchored = false;
+  EXPECT_FALSE(shows_the_same(candidate, accepted, street()));
+  accepted.candidate.prior.anchored = true;
+  candidate.prior.anchored = false;
+  EXPECT_FALSE(shows_the_same(candidate, accepted, street()));
 }
 
 /// Key frames 10 to 50 at 0, 40, 80, 120 and 160 m; the last one is of a segment of its own.
