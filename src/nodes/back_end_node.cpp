@@ -88,9 +88,14 @@ void BackEndNode::resume() {
   const fs::path asked = config_.resume == "latest"
                              ? expanded_path(config_.session_directory) / "latest"
                              : expanded_path(config_.resume);
-  auto session = session::Session::open(was_killed ? fs::path(folder) : asked,
-                                        session::Session::Access::kWrite);
-  const std::string run_id = session.run_id();
+  continue_session(session::Session::open(was_killed ? fs::path(folder) : asked,
+                                          session::Session::Access::kWrite));
+}
+
+/// A session that no node has made, but map_bag, belongs to no run yet.
+void BackEndNode::continue_session(session::Session session) {
+  std::string run_id = session.run_id();
+  if (run_id.empty()) run_id = fs::canonical(session.directory()).filename().string();
   set_session(std::move(session), run_id);
 }
 

@@ -63,6 +63,7 @@ class BackEndNode {
 
   void begin_run(const std::string& run_id);
   void add_early_measurements();
+  void continue_session(session::Session session);
   void set_session(session::Session session, const std::string& run_id);
   std::optional<session::Session> session_of(const std::string& run_id) const;
   void store_configuration();

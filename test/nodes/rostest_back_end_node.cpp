@@ -6,6 +6,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/session/session.hpp"
 
 #include "figures.hpp"
 #include "listener.hpp"
@@ -287,6 +288,21 @@ TEST_F(BackEndNode, ResumesASessionOnRequest) {
   ASSERT_TRUE(poses_.wait_for(1)) << "latched: " << node->output();
   EXPECT_EQ(poses_.messages[0].indices.size(), 10U);
   EXPECT_EQ(poses_.messages[0].run_id, "run");
+}
+
+TEST_F(BackEndNode, ResumesASessionOfMapBagWhichBelongsToNoRun) {
+  auto node = start();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10));
+  node->stop();
+  const fs::path folder = sessions().front();
+  session::Session::open(folder, session::Session::Access::kWrite).set_run_id("");
+  node = start({"_resume:=" + folder.string()});
+  ASSERT_TRUE(wait_for_key_frames(10)) << node->output();
+  EXPECT_EQ(known().poses.run_id, folder.filename().string());
+  publish(10, 12, known().poses.run_id);
+  EXPECT_TRUE(wait_for_key_frames(12)) << node->output();
+  EXPECT_EQ(sessions().size(), 1U);
 }
 
 // Another run gets a session of its own.

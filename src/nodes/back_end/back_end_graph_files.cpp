@@ -103,10 +103,7 @@ LoadGraph::Response BackEndNode::load(const std::string& path) {
                      run_->session().directory().string() +
                      "); restart back_end_node and load before the first scan");
   }
-  Session session = loaded_session(absolute_folder(path));
-  const std::string known_id = session.run_id();
-  const std::string run_id = known_id.empty() ? session.directory().filename().string() : known_id;
-  set_session(std::move(session), run_id);
+  continue_session(loaded_session(absolute_folder(path)));
   add_early_measurements();
   files_outdated_ = true;
   return loaded(run_->session(), absolute_folder(path));
