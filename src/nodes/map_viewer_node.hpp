@@ -13,7 +13,6 @@
 #include <ros/spinner.h>
 #include <ros/wall_timer.h>
 
-#include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/node.hpp"
@@ -21,6 +20,7 @@
 #include "lidar_mapping/session/session.hpp"
 
 #include "display/drive_display.hpp"
+#include "map_viewer/display_map.hpp"
 #include "map_viewer_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -40,9 +40,9 @@ class MapViewerNode {
   /// The clouds of one run and their map; used by the building thread only.
   struct Run {
     Run(const map::MapConfig& config, const std::filesystem::path& folder)
-        : clouds(folder), builder(config, clouds) {}
+        : clouds(folder), display(config, clouds) {}
     session::CloudStore clouds;
-    map::MapBuilder builder;
+    DisplayMap display;
   };
   /// What a map is made of.
   struct MapInput {

@@ -54,15 +54,15 @@ void MapViewerNode::show_map(bool always) {
 
 void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                                       bool always) {
-  const std::uint64_t before = run->builder.revision();
-  run->builder.update(poses);
-  if (poses.poses.empty() || (!always && run->builder.revision() == before)) return;
-  const PointCloud map = run->builder.build();
+  const bool changes = run->display.update(poses);
+  if (poses.poses.empty() || (!always && !changes)) return;
+  const PointCloud map = run->display.build();
   const Stamp stamp = poses.poses.back().stamp;
   global_map_.publish(to_message(map, stamp, config_.node.map_frame));
   context_.diagnostics.count_output(stamp);
   context_.diagnostics.set("points", map.size());
-  context_.diagnostics.set("clouds missing", run->builder.missing_clouds());
+  context_.diagnostics.set("resolution, m", run->display.resolution());
+  context_.diagnostics.set("clouds missing", run->display.missing_clouds());
 }
 
 /// Poses on the topic may arrive late, so the newest ones are fetched by the service: a map saved
