@@ -4,6 +4,7 @@
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 
+#include "localization/display_resolution.hpp"
 #include "localization_node.hpp"
 #include "worker_tasks.hpp"
 
@@ -11,9 +12,6 @@
 namespace lidar_mapping::ros_border {
 
 namespace {
-
-/// Edge of the voxels of the map on display, m. Chosen: a town of 1 km then has some 10 MB.
-constexpr double kDisplayResolution = 0.5;
 
 std::string summary_of(pipeline::SessionMap& map) {
   return formatted("the map %s: %zu places, %zu Gaussians, tables of %.0f MB",
@@ -51,7 +49,8 @@ void LocalizationNode::load_first(const std::string& folder) {
 std::string LocalizationNode::load(const std::string& folder) {
   auto place = std::make_shared<Place>(expanded_path(folder), config_.stage);
   begin_recording(*place);
-  const auto cloud = std::make_shared<PointCloud>(place->map.cloud(kDisplayResolution));
+  const double resolution = display_resolution(place->map.index().gaussians());
+  const auto cloud = std::make_shared<PointCloud>(place->map.cloud(resolution));
   const std::string summary = summary_of(place->map);
   context_.worker.post(requests_, [this, place, cloud] { use(place, *cloud); });
   ROS_INFO_STREAM(summary);
