@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "display_map.hpp"
+#include "map_viewer/display_map.hpp"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-// m; the largest edge of voxels that the stage allows.
+// m; by definition: the largest edge of voxels that map::MapConfig allows.
 constexpr double kLargestVoxel = 10.0;
 // Key frames after which the points are counted, so that a long drive that is resumed is not in
 // memory with small voxels first. Chosen: some 90 MB of points.
