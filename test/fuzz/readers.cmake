@@ -92,6 +92,8 @@ set(reader_sanitizer_options -O1 -g1 -fno-omit-frame-pointer -ffp-contract=off
 
 function(lidar_mapping_sanitized_library name)
   add_library(${name} SHARED EXCLUDE_FROM_ALL ${reader_sources})
+  # Sources of many stages, which share more names than those of one.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   target_compile_options(${name} PUBLIC -fsanitize=${reader_sanitizers} ${reader_sanitizer_options})
   # The checks of the sanitizers hide from GCC that what it warns of is never read.
   target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
