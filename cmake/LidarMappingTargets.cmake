@@ -12,8 +12,9 @@ if(NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile several sources of a target as one")
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # It takes the sources for headers, whose types are not to have parts of anonymous namespaces.
-  target_compile_options(lidar_mapping_warnings INTERFACE -Wno-subobject-linkage)
+  # It takes the sources for headers, whose types are not to have parts of anonymous namespaces, and
+  # constants of one for global names that a function of another one hides.
+  target_compile_options(lidar_mapping_warnings INTERFACE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
 endif()
 
 # lidar_mapping_separate(a.cpp ...): compiled by themselves in any case, because they have a name in an

@@ -98,14 +98,14 @@ TEST(LoopCloser, ClosesAStreetDrivenInTheOppositeDirection) {
 }
 
 /// The largest number of candidates that one search matched in a third pass through a street. Both
-/// older passes can be found.
-std::size_t max_matched(double horizontal_drift, int max_registrations = 50) {
+/// older passes can be found. Odometry turns by `turning` (rad/m) too much.
+std::size_t max_matched(double horizontal_drift, double turning, int max_registrations = 50) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}, {0, 0}, {60, 0}});
   LoopClosingConfig config;
   config.horizontal_drift = horizontal_drift;
   config.max_registrations = max_registrations;
-  const DriveOutcome outcome = drive(world, truth, truth, config);
+  const DriveOutcome outcome = drive(world, truth, drifting(truth, 1.0, turning), config);
   EXPECT_EQ(outcome.false_loops, 0);
   std::map<KeyFrameIndex, std::size_t> matched;
   for (const LoopVerdict& verdict : outcome.verdicts) {
@@ -117,13 +117,21 @@ std::size_t max_matched(double horizontal_drift, int max_registrations = 50) {
   return most;
 }
 
-TEST(LoopCloser, MatchesOneCandidateIfTheEstimateIsCertain) { EXPECT_EQ(max_matched(0.003), 1U); }
+TEST(LoopCloser, MatchesOneCandidateIfTheEstimateIsCertain) {
+  EXPECT_EQ(max_matched(0.003, 0.0), 1U);
+}
 
-TEST(LoopCloser, MatchesAllCandidatesIfTheEstimateIsUncertain) { EXPECT_EQ(max_matched(0.02), 2U); }
+TEST(LoopCloser, MatchesNoOtherPassOfAStreetWhereTheFirstOneAgreesWithAnUncertainEstimate) {
+  EXPECT_EQ(max_matched(0.02, 0.0), 1U);
+}
+
+TEST(LoopCloser, MatchesAllCandidatesIfTheEstimateIsUncertainAndOff) {
+  EXPECT_EQ(max_matched(0.02, 5e-4), 2U);
+}
 
 TEST(LoopCloser, MatchesNoMoreCandidatesThanConfigured) {
-  EXPECT_EQ(max_matched(0.02, 1), 1U);
-  EXPECT_EQ(max_matched(0.02, 3), 2U) << "there are no more";
+  EXPECT_EQ(max_matched(0.02, 5e-4, 1), 1U);
+  EXPECT_EQ(max_matched(0.02, 5e-4, 3), 2U) << "there are no more";
 }
 
 // A crossing where the headings differ by 90 degrees.
