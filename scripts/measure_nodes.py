@@ -3,19 +3,17 @@
 """Measure what the nodes of mapping.launch send and compute while a session grows (doc/results/pipeline.md).
 
 The session is resumed, as live operation goes on with a drive of any length; then the bag is played, and the
-bytes of each topic and the processor time of each node are counted from its first scan to its last. All topics
-are subscribed to, as rviz does. The stamps of the bag have to lie behind those of the session, which is not
+bytes of each topic and the processor time of each node are counted while it is played. All topics are
+subscribed to, as rviz does. The stamps of the bag have to lie behind those of the session, which is not
 changed: a copy is resumed. The package must be built and its setup sourced.
 
 usage: measure_nodes.py SESSION BAG [--rate 1] [-o FIGURES.json]
 """
 import argparse
-import contextlib
 import json
 import os
 import pathlib
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -23,15 +21,14 @@ import threading
 import time
 import xmlrpc.client
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+from run_demo import free_port  # noqa: E402
+
 QUIET = (5.0, 100e3)  # s with fewer bytes: late subscribers have what they are given; diagnostics go on
 PATIENCE = 300.0  # s for the nodes to be there
 TICKS = os.sysconf('SC_CLK_TCK')
-
-
-def free_port():
-    with contextlib.closing(socket.socket()) as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
 
 
 class Traffic:
