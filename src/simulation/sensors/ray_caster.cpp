@@ -29,7 +29,6 @@ constexpr int kPacket = 8;  ///< rays of an RTCRayHit8 of Embree, for registers 
 /// Embree decides with other roundings in wider registers, and a drive must not depend on the
 /// processor that simulates it.
 constexpr const char* kDeviceOptions = "max_isa=avx2";
-constexpr unsigned kFixedId = 0;  ///< by definition: the fixed world is the first instance
 
 Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
   Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
@@ -107,9 +106,9 @@ struct Motion {
   Transform at(double fraction) const { return (1.0 - fraction) * begin + fraction * end; }
 };
 
-/// The world during one frame.
+/// The movers during one frame.
 struct Frame {
-  Scene scene;
+  Scene movers;                 ///< Instance i is mover i; none if nothing moves.
   std::vector<Motion> motions;  ///< One per mover.
 };
 
@@ -122,16 +121,19 @@ Triangle triangle_of(const TriangleMesh& mesh, unsigned index) {
   return corners;
 }
 
-/// Range and incidence of a ray that Embree says meets the plane of this triangle. Embree's own
-/// range comes from the processor's approximate reciprocal, which makers of processors round each
-/// in their own way; it remains where the ray lies in the plane.
-void measure(const Ray& ray, const Triangle& triangle, Hit& hit) {
-  const Eigen::Vector3d normal =
-      (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+Eigen::Vector3d normal_of(const Triangle& triangle) {
+  return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+}
+
+/// Range and incidence of a ray that Embree says meets the plane with this point and this normal.
+/// Embree's own range comes from the processor's approximate reciprocal, which makers of processors
+/// round each in their own way; it remains where the ray lies in the plane.
+void measure(const Ray& ray, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+             Hit& hit) {
   const double closing = normal.dot(ray.direction.cast<double>());
   hit.cosine = static_cast<float>(std::abs(closing));
   if (closing == 0.0) return;
-  hit.range = static_cast<float>(normal.dot(triangle[0] - ray.origin.cast<double>()) / closing);
+  hit.range = static_cast<float>(normal.dot(point - ray.origin.cast<double>()) / closing);
 }
 
 }  // namespace
@@ -140,43 +142,59 @@ class RayCaster::Impl {
  public:
   explicit Impl(const World& world) : world_(world), device_(rtcNewDevice(kDeviceOptions)) {
     fixed_ = make_mesh_scene(device_.get(), world.fixed);
+    fixed_normals_.reserve(world.fixed.triangles.size());
+    for (unsigned i = 0; i < world.fixed.triangles.size(); ++i) {
+      fixed_normals_.push_back(normal_of(triangle_of(world.fixed, i)));
+    }
     for (const TriangleMesh& shape : world.shapes) {
       shapes_.push_back(make_mesh_scene(device_.get(), shape));
     }
   }
 
   Frame frame(double begin_s, double end_s) const {
-    Frame frame{Scene(rtcNewScene(device_.get())), {}};
-    frame.motions.resize(world_.movers.size());
-    rtcSetSceneFlags(frame.scene.get(), RTC_SCENE_FLAG_ROBUST);
-    add_instance(device_.get(), frame.scene.get(), fixed_.get(), kFixedId, {}, {});
+    Frame frame{nullptr, std::vector<Motion>(world_.movers.size())};
     for (std::size_t i = 0; i < world_.movers.size(); ++i) {
       const Mover& mover = world_.movers[i];
       const auto first = mover.pose(begin_s), last = mover.pose(end_s);
       if (!first || !last) continue;
-      add_instance(device_.get(), frame.scene.get(), shapes_[mover.shape].get(),
-                   static_cast<unsigned>(i + 1), *first, *last);
+      if (!frame.movers) {
+        frame.movers.reset(rtcNewScene(device_.get()));
+        rtcSetSceneFlags(frame.movers.get(), RTC_SCENE_FLAG_ROBUST);
+      }
+      add_instance(device_.get(), frame.movers.get(), shapes_[mover.shape].get(),
+                   static_cast<unsigned>(i), *first, *last);
       frame.motions[i] = {first->matrix().topRows<3>(), last->matrix().topRows<3>()};
     }
-    commit(frame.scene.get());
+    if (frame.movers) commit(frame.movers.get());
     return frame;
+  }
+
+  /// The fixed world by itself, as its rays need no transform; then what moves in front of it.
+  void intersect(const Frame& frame, const int* valid, RTCIntersectContext& context,
+                 RTCRayHit8& packet) const {
+    rtcIntersect8(valid, fixed_.get(), &context, &packet);
+    if (frame.movers) rtcIntersect8(valid, frame.movers.get(), &context, &packet);
   }
 
   Hit hit(const Frame& frame, const Ray& ray, const RTCRayHit8& packet, int lane) const {
     Hit hit;
     if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return hit;
-    const unsigned instance = packet.hit.instID[0][lane], index = packet.hit.primID[lane];
     hit.range = packet.ray.tfar[lane];
-    hit.moving = instance != kFixedId;
-    const TriangleMesh& mesh =
-        hit.moving ? world_.shapes[world_.movers[instance - 1].shape] : world_.fixed;
-    hit.reflectivity = mesh.reflectivity[index];
-    Triangle triangle = triangle_of(mesh, index);
-    if (hit.moving) {
-      const Transform T_map_shape = frame.motions[instance - 1].at(ray.time);
-      for (Eigen::Vector3d& corner : triangle) corner = T_map_shape * corner.homogeneous();
+    const unsigned mover = packet.hit.instID[0][lane], index = packet.hit.primID[lane];
+    hit.moving = mover != RTC_INVALID_GEOMETRY_ID;
+    if (!hit.moving) {
+      const TriangleMesh& mesh = world_.fixed;
+      hit.reflectivity = mesh.reflectivity[index];
+      measure(ray, mesh.vertices[mesh.triangles[index][0]].cast<double>(), fixed_normals_[index],
+              hit);
+      return hit;
     }
-    measure(ray, triangle, hit);
+    const TriangleMesh& mesh = world_.shapes[world_.movers[mover].shape];
+    hit.reflectivity = mesh.reflectivity[index];
+    const Transform T_map_shape = frame.motions[mover].at(ray.time);
+    Triangle triangle = triangle_of(mesh, index);
+    for (Eigen::Vector3d& corner : triangle) corner = T_map_shape * corner.homogeneous();
+    measure(ray, triangle[0], normal_of(triangle), hit);
     return hit;
   }
 
@@ -184,6 +202,7 @@ class RayCaster::Impl {
   const World& world_;
   Device device_;
   Scene fixed_;
+  std::vector<Eigen::Vector3d> fixed_normals_;  ///< Unit normal of each triangle of `fixed_`.
   std::vector<Scene> shapes_;
 };
 
@@ -205,7 +224,7 @@ void RayCaster::cast(const std::vector<Ray>& rays, double begin_s, double end_s,
       valid[lane] = lane < count ? -1 : 0;
       if (lane < count) fill(packet, lane, rays[first + lane], min_range, max_range);
     }
-    rtcIntersect8(valid, frame.scene.get(), &context, &packet);
+    impl_->intersect(frame, valid, context, packet);
     for (int lane = 0; lane < count; ++lane) {
       hits[first + lane] = impl_->hit(frame, rays[first + lane], packet, lane);
     }

@@ -33,9 +33,18 @@ constexpr double kRasterStep = 0.2 * kRadPerDeg;
 
 double fraction(double x) { return x - std::floor(x); }
 
+struct Angle {
+  explicit Angle(double radians) : cosine(std::cos(radians)), sine(std::sin(radians)) {}
+
+  double cosine, sine;
+};
+
+Eigen::Vector3d direction(const Angle& azimuth, const Angle& elevation) {
+  return {elevation.cosine * azimuth.cosine, elevation.cosine * azimuth.sine, elevation.sine};
+}
+
 Eigen::Vector3d direction(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-          std::sin(elevation)};
+  return direction(Angle(azimuth), Angle(elevation));
 }
 
 /// `column` counts from the first frame of the drive.
@@ -70,22 +79,26 @@ Eigen::Vector3d raster(const LidarModel& model, int column, int beam) {
 
 Eigen::Vector3d ray_direction(const LidarModel& model, std::size_t frame, int column, int beam) {
   const double since_start = static_cast<double>(frame) * model.columns + column;
-  switch (model.pattern) {
-    case ScanPattern::kSwinging:
-      return swinging(model, since_start, beam);
-    case ScanPattern::kRosette:
-      return rosette(model, since_start, beam);
-    case ScanPattern::kRaster:
-      return raster(model, column, beam);
-    case ScanPattern::kSpinning:
-      break;
+  if (model.pattern == ScanPattern::kSwinging) return swinging(model, since_start, beam);
+  if (model.pattern == ScanPattern::kRosette) return rosette(model, since_start, beam);
+  return raster(model, column, beam);
+}
+
+std::vector<Eigen::Vector3d> spinning_directions(const LidarModel& model) {
+  std::vector<Angle> elevations(model.elevations.begin(), model.elevations.end());
+  std::vector<Eigen::Vector3d> directions;
+  directions.reserve(model.ray_count());
+  for (int column = 0; column < model.columns; ++column) {
+    const Angle azimuth(column_azimuth(model, column));
+    for (const Angle& elevation : elevations) directions.push_back(direction(azimuth, elevation));
   }
-  return direction(column_azimuth(model, column), model.elevations[beam]);
+  return directions;
 }
 
 }  // namespace
 
 std::vector<Eigen::Vector3d> ray_directions(const LidarModel& model, std::size_t frame) {
+  if (model.pattern == ScanPattern::kSpinning) return spinning_directions(model);
   std::vector<Eigen::Vector3d> directions;
   directions.reserve(model.ray_count());
   for (int column = 0; column < model.columns; ++column) {

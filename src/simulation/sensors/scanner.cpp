@@ -17,20 +17,26 @@ namespace {
 constexpr double kLossAtBest = 0.01;
 constexpr double kLossOnGlass = 0.6;
 constexpr double kFaintSignal = 2.3e-6;
+/// A signal so many times the faint one adds nothing to kLossAtBest, by definition of a double:
+/// exp(-45) is less than half of that number's last bit.
+constexpr double kFullSignal = 45.0;
 
+/// One beam after the other, not one column after the other as `directions`: the rays of a beam in
+/// columns side by side meet the same surfaces, which makes casting them quicker.
 std::vector<Ray> make_rays(const ScanRequest& request,
                            const std::vector<Eigen::Vector3d>& directions) {
   std::vector<Ray> rays(directions.size());
-  const auto beams = static_cast<std::size_t>(request.lidar.beams);
-  for (int column = 0; column < request.lidar.columns; ++column) {
+  const int beams = request.lidar.beams, columns = request.lidar.columns;
+  for (int column = 0; column < columns; ++column) {
     const Stamp delay =
         request.undistorted ? 0 : column_delay(request.lidar, request.period, column);
     const Pose T_map_lidar = request.trajectory.pose(request.stamp + delay) * request.T_base_lidar;
     const Eigen::Matrix3d rotation = T_map_lidar.rotation_matrix();
-    for (std::size_t i = column * beams; i < (column + 1) * beams; ++i) {
-      rays[i].origin = T_map_lidar.translation.cast<float>();
-      rays[i].direction = (rotation * directions[i]).cast<float>();
-      rays[i].time = static_cast<float>(to_seconds(delay) / to_seconds(request.period));
+    for (int beam = 0; beam < beams; ++beam) {
+      Ray& ray = rays[beam * columns + column];
+      ray.origin = T_map_lidar.translation.cast<float>();
+      ray.direction = (rotation * directions[column * beams + beam]).cast<float>();
+      ray.time = static_cast<float>(to_seconds(delay) / to_seconds(request.period));
     }
   }
   return rays;
@@ -39,7 +45,8 @@ std::vector<Ray> make_rays(const ScanRequest& request,
 bool is_lost(const Hit& hit, Random& random) {
   const double signal =
       (0.1 + hit.reflectivity / 255.0) * hit.cosine / (static_cast<double>(hit.range) * hit.range);
-  const double faintness = std::exp(-signal / kFaintSignal);
+  const double ratio = signal / kFaintSignal;
+  const double faintness = ratio > kFullSignal ? 0.0 : std::exp(-ratio);
   const double min_loss = hit.reflectivity == kGlass ? kLossOnGlass : kLossAtBest;
   return random.chance(min_loss + (1.0 - min_loss) * faintness);
 }
@@ -66,18 +73,26 @@ SimulatedScan take_scan(const ScanRequest& request) {
   scan.stamp = request.stamp;
   scan.end = request.stamp + request.period;
   Random random(request.noise_seed);
-  const auto beams = static_cast<std::size_t>(request.lidar.beams);
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits[i].range < min_range || is_lost(hits[i], random)) continue;
-    const double range = hits[i].range + request.range_noise * random.normal();
-    const Eigen::Vector3f p_lidar = (range * directions[i]).cast<float>();
-    scan.cloud.points.push_back(
-        {p_lidar.x(), p_lidar.y(), p_lidar.z(), measured_intensity(hits[i], random)});
-    scan.moving.push_back(hits[i].moving ? 1 : 0);
-    scan.rays.push_back(static_cast<std::uint32_t>(i));
-    if (request.undistorted) continue;
-    const Stamp delay = column_delay(request.lidar, request.period, static_cast<int>(i / beams));
-    scan.cloud.times.push_back(static_cast<float>(to_seconds(delay)));
+  scan.cloud.points.reserve(hits.size());
+  scan.moving.reserve(hits.size());
+  scan.rays.reserve(hits.size());
+  if (!request.undistorted) scan.cloud.times.reserve(hits.size());
+  const int beams = request.lidar.beams, columns = request.lidar.columns;
+  for (int column = 0; column < columns; ++column) {
+    const auto time =
+        static_cast<float>(to_seconds(column_delay(request.lidar, request.period, column)));
+    for (int beam = 0; beam < beams; ++beam) {
+      const Hit& hit = hits[beam * columns + column];
+      if (hit.range < min_range || is_lost(hit, random)) continue;
+      const int ray = column * beams + beam;
+      const double range = hit.range + request.range_noise * random.normal();
+      const Eigen::Vector3f p_lidar = (range * directions[ray]).cast<float>();
+      scan.cloud.points.push_back(
+          {p_lidar.x(), p_lidar.y(), p_lidar.z(), measured_intensity(hit, random)});
+      scan.moving.push_back(hit.moving ? 1 : 0);
+      scan.rays.push_back(static_cast<std::uint32_t>(ray));
+      if (!request.undistorted) scan.cloud.times.push_back(time);
+    }
   }
   return scan;
 }
