@@ -21,8 +21,11 @@ constexpr double kSmallCorrection_rad = 0.02;
 
 const DriveNode& node_at(const DriveGraph& drive, int position) { return drive.nodes[position]; }
 
-bool is_small_correction(const DriveGraph& drive, const DriveLoop& loop) {
-  if (drive.segment_of(loop.from) != drive.segment_of(loop.to)) return false;
+/// `joined`: for each segment the group that used loops join it to. A loop that joins two of them
+/// moves the whole of one.
+bool is_small_correction(const DriveGraph& drive, const std::vector<int>& joined,
+                         const DriveLoop& loop) {
+  if (joined[drive.segment_of(loop.from)] != joined[drive.segment_of(loop.to)]) return false;
   const Pose there = node_at(drive, loop.from).T_map_base * loop.loop.T_from_to;
   const Vector6d gap = difference(node_at(drive, loop.to).T_map_base, there);
   return gap.head<3>().norm() < kSmallCorrection_m && gap.tail<3>().norm() < kSmallCorrection_rad;
@@ -39,9 +42,10 @@ bool is_small_correction(const DriveGraph& drive, const DriveGnss& gnss) {
 std::optional<std::vector<int>> nodes_with_new_data(const DriveGraph& drive,
                                                     const BackEndConfig& config) {
   std::vector<int> result;
+  const std::vector<int> joined = connected_segments(drive, false);
   for (const DriveLoop& loop : drive.loops) {
     if (!config.use_loop_close || loop.evaluated) continue;
-    if (!is_small_correction(drive, loop)) return std::nullopt;
+    if (!is_small_correction(drive, joined, loop)) return std::nullopt;
     result.insert(result.end(), {loop.from, loop.to});
   }
   const std::vector<bool> in_enu = segments_in_enu(drive);

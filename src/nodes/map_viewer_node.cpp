@@ -6,6 +6,7 @@
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/NavSatFix.h>
 
+#include "lidar_mapping/back_end/pose_change.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
@@ -106,10 +107,14 @@ void MapViewerNode::add_key_frame(const RunKeyFrame& received) {
 void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
   key_frames_.note({message.run_id, message.indices});
   if (!run_ || message.run_id != run_id_) return;
+  const KeyFramePoses before = view_.track.poses();
   view_.track.update(from_message(message));
+  const double moved = back_end::change_between(before, view_.track.poses()).largest;
   if (message.thorough && !message.indices.empty()) view_.optimized = message.indices.back();
   display_.graph_changed();
-  show_map(false);
+  map_outdated_ = true;
+  const bool at_once = message.thorough || moved > config_.stage.resolution;
+  if (at_once || config_.map_cloud_update_interval == 0.0) show_map(false);
 }
 
 void MapViewerNode::add_loop(const LoopMessage& message) {

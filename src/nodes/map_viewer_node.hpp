@@ -84,7 +84,7 @@ class MapViewerNode {
   Worker builder_;
   Worker::ChannelId builds_, saves_;
   ros::Publisher global_map_;
-  bool map_outdated_ = false;  ///< whether the displayed map lacks key frames
+  bool map_outdated_ = false;  ///< key frames or poses are newer than the displayed map
   ros::WallTimer refresh_timer_;
   DriveDisplay display_;
   KeyFrameSubscription key_frames_;

@@ -131,6 +131,33 @@ TEST(Window, HasThePositionsOfASegmentThatLoopsAloneHaveAligned) {
   EXPECT_TRUE(segments_in_enu(part).at(1)) << "else the window leaves its positions out";
 }
 
+DriveLoop new_loop(int from, int to, const DriveGraph& drive) {
+  DriveLoop loop;
+  loop.from = from;
+  loop.to = to;
+  loop.loop.T_from_to = drive.nodes[from].T_map_base.inverse() * drive.nodes[to].T_map_base;
+  return loop;
+}
+
+/// As the loops of a session that is resumed have, whose new part is a segment of its own.
+TEST(Window, HoldsALoopBetweenSegmentsThatALoopHasJoined) {
+  DriveGraph drive = segments_aligned_by_a_loop();
+  drive.gnss.clear();
+  drive.loops.push_back(new_loop(250, 750, drive));
+  const auto window = window_around_new_data(drive, BackEndConfig{});
+  ASSERT_TRUE(window) << "the whole graph would be solved for every loop of a resumed session";
+  EXPECT_EQ(window->loops, std::vector<int>{1});
+  EXPECT_EQ(window->nodes.front(), 199);
+  EXPECT_EQ(window->nodes.back(), 801);
+}
+
+TEST(Window, DoesNotHoldTheLoopThatJoinsTwoSegments) {
+  DriveGraph drive = segments_aligned_by_a_loop();
+  drive.gnss.clear();
+  drive.loops = {new_loop(250, 750, drive)};
+  EXPECT_FALSE(window_around_new_data(drive, BackEndConfig{})) << "a whole segment may move";
+}
+
 TEST(LeastEigenvalue, IsZeroForAFreeMotionAndGrowsWithConstraints) {
   pose_graph::FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});

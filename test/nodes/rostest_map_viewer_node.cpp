@@ -175,6 +175,31 @@ TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
   EXPECT_FALSE(map.wait_for(3, 1.0)) << "they did not move again";
 }
 
+/// A solution each second that hardly moves anything would send the whole map each second.
+TEST_F(MapViewerNode, ShowsSmallMovesAtTheIntervalOrIfTheMapWasOptimised) {
+  store(kRound);
+  for (const bool at_intervals : {true, false}) {
+    const NodeProcess node("map_viewer_node", {std::string("_map_cloud_update_interval:=") +
+                                               (at_intervals ? "2.0" : "3600.0")});
+    ASSERT_TRUE(shows(kRound)) << node.output();
+    Listener<sensor_msgs::PointCloud2> map("global_map");
+    ASSERT_TRUE(map.wait_for(1)) << node.output();
+    auto poses = ros::NodeHandle().advertise<KeyFramePosesMessage>("key_frame_poses", 10);
+    wait_until([&] { return poses.getNumSubscribers() > 0; });
+    poses.publish(corrected(kRound, 1));
+    ASSERT_TRUE(map.wait_for(2)) << "poses moved by metres";
+    KeyFramePosesMessage nudged = corrected(kRound, 2);
+    for (auto& pose : nudged.poses) pose.position.x += 0.1;
+    poses.publish(nudged);
+    EXPECT_EQ(map.wait_for(3, at_intervals ? kPatience : 3.0), at_intervals) << node.output();
+    if (at_intervals) continue;
+    nudged.revision = 3;
+    nudged.thorough = 1;
+    poses.publish(nudged);
+    EXPECT_TRUE(map.wait_for(3)) << node.output();
+  }
+}
+
 /// As hdl_graph_slam has it: new key frames show once in an interval.
 TEST_F(MapViewerNode, RefreshesTheMapAtIntervals) {
   for (const bool at_intervals : {true, false}) {

@@ -34,7 +34,7 @@ ros::Publisher MapViewerNode::advertise_map() {
   return advertise<sensor_msgs::PointCloud2>(context_, "global_map", 1, requests_, show, true);
 }
 
-/// As long as no poses move, the displayed map is updated at intervals.
+/// For key frames that are new, and for poses that moved too little to be shown at once.
 void MapViewerNode::refresh_at_intervals() {
   if (config_.map_cloud_update_interval == 0.0) return;
   refresh_timer_ =
