@@ -3,7 +3,8 @@
 """Hold the names that the documentation gives against the code.
 
 doc/glossary.md has to be in alphabetical order and to explain every field of the messages and services
-and every topic and service of the nodes. Each `file:function` of doc/walks.md and CONTRIBUTING.md has to
+and every topic and service of the nodes. Each row of a table, there and on all other pages, has to have as
+many cells as the table's first row. Each `file:function` of doc/walks.md and CONTRIBUTING.md has to
 be a function (or class) that this file defines, and each file that CONTRIBUTING.md names has to exist.
 Each test in the column "test" of doc/reference/ancestors.md has to be in the sources of the tests.
 
@@ -38,6 +39,30 @@ def table_terms(text, heading):
     part = text.split(heading, 1)[1].split('\n## ', 1)[0]
     rows = [line for line in part.splitlines() if line.startswith('| ')][1:]
     return [row.split('|')[1].strip() for row in rows]
+
+
+def cells_of(line):
+    """Of a row; a vertical bar with a backslash belongs to a cell."""
+    return [cell.strip() for cell in re.split(r'(?<!\\)\|', line.strip())[1:-1]]
+
+
+def row_problems(page, text):
+    """Rows whose number of cells is not that of their table's first row."""
+    wanted = None
+    in_code = False
+    for number, line in enumerate(text.splitlines(), 1):
+        in_code ^= line.lstrip().startswith('```')
+        if in_code or not line.startswith('|'):
+            wanted = None
+            continue
+        count = len(cells_of(line))
+        wanted = wanted or count
+        if count != wanted:
+            yield f'{page}:{number}: a row of {count} cells in a table of {wanted}'
+
+
+def pages(root):
+    return sorted([*root.glob('*.md'), *(root / 'doc').rglob('*.md')])
 
 
 def names_of_messages(root):
@@ -115,7 +140,7 @@ def test_problems(text, known):
     """Of tables whose last column is headed "test"."""
     in_table = False
     for number, line in enumerate(text.splitlines(), 1):
-        cells = [cell.strip() for cell in line.strip('|').split('|')]
+        cells = cells_of(line)
         if not line.startswith('|'):
             in_table = False
         elif cells[-1] == 'test':
@@ -142,6 +167,9 @@ def check_the_check(root, glossary, known):
         overlooked.append('tests that are there')
     overlooked += [name for name in ('`LocalFrame.PointsEastNorthAndDown`', '`test_no_such_file`', '`test`')
                    if not list(test_problems(table.format(name), known))]
+    rows = '| word | term |\n|---|---|\n| a \\| b | c |\n| `d` | e | f |\n\n| g |\n|---|\n'
+    if list(row_problems('page', rows)) != ['page:4: a row of 3 cells in a table of 2']:
+        overlooked.append('a row with a cell too many, or reports another row')
     if overlooked:
         sys.exit(f'check_names: overlooks {overlooked}; found:\n{found}')
 
@@ -154,6 +182,8 @@ def main(root):
                 *test_problems((root / TEST_TABLES).read_text(), known)]
     for page in ('doc/walks.md', 'CONTRIBUTING.md'):
         problems += place_problems(root, page)
+    for page in pages(root):
+        problems += row_problems(page.relative_to(root), page.read_text())
     print('\n'.join(problems + [f'names: {len(problems)} problems']))
     return 1 if problems else 0
 
