@@ -16,8 +16,13 @@ Whether meaning and unit are there is for the reader to judge. The origin has to
 - geometry, physics, statistics, a definition: "by geometry", "quantile of", "by definition";
 - another constant or another place: "twice kEdge", "as in number_words.hpp", "see doc/...".
 
-Usage: check_constants.py
+With --table it prints instead, as a table in Markdown, how many constants of each stage have which origin. A
+comment that names several origins counts by the first one in the order of ORIGINS, and the words of the
+constant itself go before those of its group.
+
+Usage: check_constants.py [--table]
 """
+import collections
 import re
 import sys
 from pathlib import Path
@@ -27,25 +32,37 @@ CONSTANT = re.compile(r'\s*(?:static |inline )*constexpr (?:static )?([^()=]*?) 
 NUMERIC = re.compile(r'(?:double|float|int|unsigned|bool|auto|Weight|std::size_t|std::u?int\d+_t)')
 NUMBER = re.compile(r'(?<![\w.])\.?\d')
 # None of these words is needed to say what a constant is.
-ORIGIN = re.compile('|'.join((
-    # a choice with its reason
-    r'(?i:\bchosen\b)',
-    r'\b(?:because|so that|otherwise)\b',
-    r'\b(?:than|above|below) (?:any|all|every)\b|\b[Nn]o \w+ (?:is|has|have|does|turns|measures)\b',
-    # a measurement
-    r'(?i:(?<!not )(?<!is )(?<!are )(?<!a )\bmeasured(?= (?:on|in|at|with|for|over)\b| ?[:;,()]))|\bTried\b',
-    # a paper, a format, an interface, the processor
-    r'(?:\bal\.|\b[A-Z]\w+),? \(?(?:19|20)\d\d\b|\bIEEE 754\b',
-    r'(?i:\bby (?:the |its )?(?:formats?|layout|dimensions|default|definition|geometry|calculus|law)\b)',
-    r'\bby [^.;:]*(?:[A-Z]{2,}|\b(?:format|manual|data sheet|standards?|benchmark)\b|\w_msgs\b)',
-    r'\b(?:the default|default of|every processor has|registers? of \d+ bits)\b',
-    # geometry, physics, statistics
-    r'(?i:\b(?:geometry|physics|quantile of|normal distribution|normally distributed)\b)|chi-square|\bRayleigh\b',
-    # another constant or another place
-    r'(?i:\b(?:twice|half(?: of)?|third of|quarter of|times|that of|as in|as|than|by)) k[A-Z]\w+',
-    r'\bas in [\w/]+\.[ch]pp\b|\b(?:value|that|those) (?:is that )?of\s[A-Z]\w+::\w+',
-    r'\b[Ss]ee (?:doc/|below|[A-Z]\w+::|\w+\.[ch]pp)',
-)))
+ORIGINS = {
+    'measured': (
+        r'(?i:(?<!not )(?<!is )(?<!are )(?<!a )\bmeasured(?= (?:on|in|at|with|for|over)\b| ?[:;,()]))|\bTried\b',),
+    'chosen': (
+        r'(?i:\bchosen\b)',),
+    'given': (
+        # a paper, a format, an interface, the processor
+        r'(?:\bal\.|\b[A-Z]\w+),? \(?(?:19|20)\d\d\b|\bIEEE 754\b',
+        r'(?i:\bby (?:the |its )?(?:formats?|layout|dimensions|default|definition|geometry|calculus|law)\b)',
+        r'\bby [^.;:]*(?:[A-Z]{2,}|\b(?:format|manual|data sheet|standards?|benchmark)\b|\w_msgs\b)',
+        r'\b(?:the default|default of|every processor has|registers? of \d+ bits)\b',
+        # geometry, physics, statistics
+        r'(?i:\b(?:geometry|physics|quantile of|normal distribution|normally distributed)\b)|chi-square|\bRayleigh\b'),
+    'elsewhere': (
+        # another constant or another place
+        r'(?i:\b(?:twice|half(?: of)?|third of|quarter of|times|that of|as in|as|than|by)) k[A-Z]\w+',
+        r'\bas in [\w/]+\.[ch]pp\b|\b(?:value|that|those) (?:is that )?of\s[A-Z]\w+::\w+',
+        r'\b[Ss]ee (?:doc/|below|[A-Z]\w+::|\w+\.[ch]pp)'),
+    'reasoned': (
+        # a choice by its reason alone
+        r'\b(?:because|so that|otherwise)\b',
+        r'\b(?:than|above|below) (?:any|all|every)\b|\b[Nn]o \w+ (?:is|has|have|does|turns|measures)\b'),
+}
+ORIGIN = {name: re.compile('|'.join(patterns)) for name, patterns in ORIGINS.items()}
+# Heading of a column and the origins that count there.
+COLUMNS = {
+    'by definition, physics, format, paper': ('given',),
+    'as another constant or page says': ('elsewhere',),
+    'measured': ('measured',),
+    'chosen': ('chosen', 'reasoned'),
+}
 
 
 def without_comment(line):
@@ -86,7 +103,7 @@ def last_line_of_comment(lines, first, last):
 
 
 def constants(lines):
-    """(line number, name, comment) of each numeric constant."""
+    """(line number, name, comment above its group, comment of its own) of each numeric constant."""
     last = -1
     of_group = ''
     for first, line in enumerate(lines):
@@ -99,19 +116,55 @@ def constants(lines):
         last = last_line_of_comment(lines, first, end)
         value = '\n'.join(map(without_comment, lines[first:end + 1]))[match.end():]
         if NUMERIC.fullmatch(match.group(1)) and NUMBER.search(value):
-            yield first + 1, match.group(2), f'{of_group} {comment_text(lines[first:last + 1])}'.strip()
+            yield first + 1, match.group(2), of_group, comment_text(lines[first:last + 1])
+
+
+def all_constants():
+    """(path, line number, name, comment above its group, comment of its own)"""
+    for path in sorted([*ROOT.glob('src/**/*.[ch]pp'), *ROOT.glob('include/**/*.hpp')]):
+        for constant in constants(path.read_text().split('\n')):
+            yield path.relative_to(ROOT), *constant
+
+
+def origin_of(of_group, own):
+    for comment in (own, of_group, f'{of_group} {own}'):
+        for name, pattern in ORIGIN.items():
+            if pattern.search(comment):
+                return name
+    return None
+
+
+def stage_of(path):
+    return path.parts[1] if path.parts[0] == 'src' else path.parts[2]
+
+
+def print_table():
+    counts = collections.defaultdict(collections.Counter)
+    for path, _, _, of_group, own in all_constants():
+        counts[stage_of(path)][origin_of(of_group, own)] += 1
+    rows = sorted(counts.items(), key=lambda row: (-sum(row[1].values()), row[0]))
+    rows.append(('all', sum(counts.values(), collections.Counter())))
+    print(f'| stage | constants | {" | ".join(COLUMNS)} |')
+    print('|---|' + '---:|' * (1 + len(COLUMNS)))
+    for stage, origins in rows:
+        numbers = [sum(origins.values()), *(sum(origins[name] for name in names) for names in COLUMNS.values())]
+        print(f'| {stage} | {" | ".join(map(str, numbers))} |')
 
 
 def main():
+    if sys.argv[1:] == ['--table']:
+        return print_table()
+    if sys.argv[1:]:
+        sys.exit(__doc__)
     count = faulty = 0
-    for path in sorted([*ROOT.glob('src/**/*.[ch]pp'), *ROOT.glob('include/**/*.hpp')]):
-        for number, name, comment in constants(path.read_text().split('\n')):
-            count += 1
-            if ORIGIN.search(comment):
-                continue
-            faulty += 1
-            fault = 'does not say where its value comes from' if comment else 'has no comment: what it is, unit, origin'
-            print(f'{path.relative_to(ROOT)}:{number}: {name} {fault}')
+    for path, number, name, of_group, own in all_constants():
+        count += 1
+        if origin_of(of_group, own):
+            continue
+        faulty += 1
+        commented = of_group or own
+        fault = 'does not say where its value comes from' if commented else 'has no comment: what it is, unit, origin'
+        print(f'{path}:{number}: {name} {fault}')
     print(f'constants: {count}, {faulty} without a comment or without the origin of their value')
     return 1 if faulty > 0 else 0
 
