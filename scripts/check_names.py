@@ -4,8 +4,8 @@
 
 doc/glossary.md has to be in alphabetical order and to explain every field of the messages and services
 and every topic and service of the nodes. Each row of a table, there and on all other pages, has to have as
-many cells as the table's first row. Each `file:function` of doc/walks.md and CONTRIBUTING.md has to
-be a function (or class) that this file defines, and each file that CONTRIBUTING.md names has to exist.
+many cells as the table's first row. Each `file:function` of doc/walks.md, doc/architecture.md and
+CONTRIBUTING.md has to be a function (or class) that this file defines, and each file that they name has to exist.
 Each test in the column "test" of doc/reference/ancestors.md has to be in the sources of the tests.
 
 usage: check_names.py [ROOT]
@@ -180,7 +180,7 @@ def main(root):
     check_the_check(root, glossary, known)
     problems = [*glossary_problems(root, glossary), *walk_problems(root),
                 *test_problems((root / TEST_TABLES).read_text(), known)]
-    for page in ('doc/walks.md', 'CONTRIBUTING.md'):
+    for page in ('doc/walks.md', 'doc/architecture.md', 'CONTRIBUTING.md'):
         problems += place_problems(root, page)
     for page in pages(root):
         problems += row_problems(page.relative_to(root), page.read_text())
