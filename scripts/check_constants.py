@@ -103,7 +103,7 @@ def last_line_of_comment(lines, first, last):
 
 
 def constants(lines):
-    """(line number, name, comment above its group, comment of its own) of each numeric constant."""
+    """(line number, name, comments: above its group, and its own) of each numeric constant."""
     last = -1
     of_group = ''
     for first, line in enumerate(lines):
@@ -116,17 +116,18 @@ def constants(lines):
         last = last_line_of_comment(lines, first, end)
         value = '\n'.join(map(without_comment, lines[first:end + 1]))[match.end():]
         if NUMERIC.fullmatch(match.group(1)) and NUMBER.search(value):
-            yield first + 1, match.group(2), of_group, comment_text(lines[first:last + 1])
+            yield first + 1, match.group(2), (of_group, comment_text(lines[first:last + 1]))
 
 
 def all_constants():
-    """(path, line number, name, comment above its group, comment of its own)"""
+    """(path, line number, name, comments: above its group, and its own)"""
     for path in sorted([*ROOT.glob('src/**/*.[ch]pp'), *ROOT.glob('include/**/*.hpp')]):
         for constant in constants(path.read_text().split('\n')):
             yield path.relative_to(ROOT), *constant
 
 
-def origin_of(of_group, own):
+def origin_of(comments):
+    of_group, own = comments
     for comment in (own, of_group, f'{of_group} {own}'):
         for name, pattern in ORIGIN.items():
             if pattern.search(comment):
@@ -140,8 +141,8 @@ def stage_of(path):
 
 def print_table():
     counts = collections.defaultdict(collections.Counter)
-    for path, _, _, of_group, own in all_constants():
-        counts[stage_of(path)][origin_of(of_group, own)] += 1
+    for path, _, _, comments in all_constants():
+        counts[stage_of(path)][origin_of(comments)] += 1
     rows = sorted(counts.items(), key=lambda row: (-sum(row[1].values()), row[0]))
     rows.append(('all', sum(counts.values(), collections.Counter())))
     print(f'| stage | constants | {" | ".join(COLUMNS)} |')
@@ -157,13 +158,13 @@ def main():
     if sys.argv[1:]:
         sys.exit(__doc__)
     count = faulty = 0
-    for path, number, name, of_group, own in all_constants():
+    for path, number, name, comments in all_constants():
         count += 1
-        if origin_of(of_group, own):
+        if origin_of(comments):
             continue
         faulty += 1
-        commented = of_group or own
-        fault = 'does not say where its value comes from' if commented else 'has no comment: what it is, unit, origin'
+        fault = ('does not say where its value comes from' if any(comments)
+                 else 'has no comment: what it is, unit, origin')
         print(f'{path}:{number}: {name} {fault}')
     print(f'constants: {count}, {faulty} without a comment or without the origin of their value')
     return 1 if faulty > 0 else 0
