@@ -11,8 +11,8 @@ namespace {
 /// measured on many drives (doc/results/front_end.md).
 constexpr double kFineEdge = 1.0;
 constexpr int kCoarseFactor = 3;
-/// Share of the fine voxels for which the coarse table has room. Chosen: a surface has a ninth.
-constexpr std::size_t kCoarseShare = 4;
+/// The coarse table has room for one in so many of the fine voxels. Chosen: a surface has a ninth.
+constexpr std::size_t kCoarseDivisor = 4;
 
 /// Slots of an empty fine table, 2 MB. Chosen: enough for a yard.
 constexpr std::size_t kFirstSlots = std::size_t{1} << 15;
@@ -36,8 +36,8 @@ SurfaceTiles::Options coarse_options(std::size_t most_slots) {
   options.voxel_edge = kCoarseFactor * kFineEdge;
   options.model = registration::PlaneModel::coarse();
   options.tile_edge = kTileEdge;
-  options.first_slots = kFirstSlots / kCoarseShare;
-  options.most_slots = most_slots / kCoarseShare;
+  options.first_slots = kFirstSlots / kCoarseDivisor;
+  options.most_slots = most_slots / kCoarseDivisor;
   return options;
 }
 

@@ -46,10 +46,10 @@ class Places {
 
 Json drives_of(const DriveMarks& marks, const Places& places) {
   std::map<std::uint32_t, Json> drives;
-  for (const WayPoint& point : marks.way) {
+  for (const PathPoint& point : marks.path) {
     Json& drive = drives[point.segment];
     drive["number"] = point.segment;
-    drive["way"].push_back(places.of(point.p_map));
+    drive["path"].push_back(places.of(point.p_map));
   }
   Json list = Json::array();
   for (const auto& [number, drive] : drives) list.push_back(drive);
@@ -58,7 +58,7 @@ Json drives_of(const DriveMarks& marks, const Places& places) {
 
 Json loops_of(const DriveMarks& marks, const Places& places) {
   std::map<KeyFrameIndex, Eigen::Vector3d> positions;
-  for (const WayPoint& point : marks.way) positions[point.index] = point.p_map;
+  for (const PathPoint& point : marks.path) positions[point.index] = point.p_map;
   Json list = Json::array();
   for (const LoopMark& loop : marks.loops) {
     list.push_back({{"from", places.of(positions.at(loop.from))},
@@ -71,14 +71,14 @@ Json loops_of(const DriveMarks& marks, const Places& places) {
 Json doubts_of(const DriveMarks& marks, const Places& places) {
   Json list = Json::array();
   for (const DoubtMark& doubt : marks.doubts) {
-    Json way = Json::array();
-    for (const Eigen::Vector3d& p_map : doubt.way_map) way.push_back(places.of(p_map));
+    Json path = Json::array();
+    for (const Eigen::Vector3d& p_map : doubt.path_map) path.push_back(places.of(p_map));
     const bool is_known = std::isfinite(doubt.expected_error);
     list.push_back({{"kind", doubt.kind},
                     {"length", rounded(doubt.length)},
                     {"error", is_known ? Json(rounded(doubt.expected_error)) : Json(nullptr)},
                     {"trusted", doubt.is_trusted},
-                    {"way", way}});
+                    {"path", path}});
   }
   return list;
 }

@@ -171,7 +171,7 @@ json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio)
   };
   return {{"ground", part(thickness.ground)},
           {"walls", part(thickness.walls)},
-          {"planar_share", thickness.planar_fraction}};
+          {"planar_fraction", thickness.planar_fraction}};
 }
 
 json::Json to_json(const map_quality::PassMisalignment& misalignment) {
