@@ -28,7 +28,8 @@ constexpr std::size_t kMinAlikePlaces = 3;
 // Pieces of drive b in a chunk. Chosen: about a kilometre, some minutes of work.
 constexpr std::size_t kMaxPieces = 10;
 // Pieces to either side that are searched, too: unconnected drives are joined only by matches that
-// agree over 100 m (unanchored_stretch). By geometry, of two pieces one would do; chosen: one more.
+// agree over 100 m (unanchored_path_length). By geometry, of two pieces one would do; chosen: one
+// more.
 constexpr std::size_t kNeighbours = 2;
 
 struct PieceId {

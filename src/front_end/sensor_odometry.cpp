@@ -168,7 +168,7 @@ void SensorOdometry::check_vertical_ride(Stamp stamp, const MotionPrior& prior,
   const double seconds = last_stamp_ ? to_seconds(stamp - *last_stamp_) : 0.0;
   const bool adjoins = prior.felt && last_stamp_ == prior.felt->since;
   ride_detector_.add(tracked.T_odom_base, seconds, adjoins ? prior.felt : std::nullopt);
-  status.unseen_way = ride_detector_.distance();
+  status.vertical_ride_distance = ride_detector_.distance();
   status.unobserved_stddev = std::hypot(status.unobserved_stddev, ride_detector_.distance());
   if (!ride_detector_.is_riding()) return;
   status.degenerate_directions.push_back(tracked.T_odom_base.rotation.conjugate() *

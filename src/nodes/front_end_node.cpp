@@ -318,9 +318,9 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
     context_.diagnostics.set("times of the points",
                              front_end::to_string(result.status.sweep_times.source));
   }
-  if (result.status.unseen_way > 0.0) {
+  if (result.status.vertical_ride_distance > 0.0) {
     context_.diagnostics.set("vertical distance not observed by the points, m",
-                             result.status.unseen_way);
+                             result.status.vertical_ride_distance);
   }
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {

@@ -125,7 +125,7 @@ json::Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd
 std::string key_frame_table(const ReportInput& input,
                             const std::vector<back_end::KeyFrameDeviation>& deviations) {
   std::ostringstream text;
-  text << "key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m,sigma_first_deg,"
+  text << "key_frame,stamp_ns,x,y,z,path_length_m,part,doubtful,sigma_first_m,sigma_first_deg,"
           "sigma_previous_m,sigma_previous_deg\n"
        << std::fixed << std::setprecision(6);
   for (const Place& place : places_of(input, deviations)) {

@@ -162,6 +162,12 @@ TEST(Decide, TheLimitOfTheFitnessIsConfigurable) {
   expect(decision_on(match, certain_prior(), config_of("0.0")), Verdict::kAccepted, "");
 }
 
+TEST(LoopClosingConfig, ReadsTheUnanchoredPathLengthUnderItsOldName) {
+  const auto config = config::load<LoopClosingConfig>(
+      {config::parse_yaml("unanchored_stretch: 60.0\n", "an older session")});
+  EXPECT_EQ(config.unanchored_path_length, 60.0);
+}
+
 TEST(Decide, GnssCanContradict) {
   Prior prior = certain_prior();
   prior.sigma_horizontal = 100.0;

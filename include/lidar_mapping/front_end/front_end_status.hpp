@@ -63,7 +63,7 @@ struct FrontEndStatus {
   bool velocity_distrusted = false;
   /// Vertical distance travelled so far according to the accelerometer alone, m: the points did not
   /// show this motion (VerticalRideDetector).
-  double unseen_way = 0.0;
+  double vertical_ride_distance = 0.0;
   /// Probability, 0 to 1, that the step from the last scan with a claimed pose is correct within
   /// three of its own standard deviations (StepBelief).
   double probability = 1.0;
