@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
-#include "lidar_mapping/loop_closing/method_notice.hpp"
+#include "lidar_mapping/loop_closing/method_substitution.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -100,11 +100,11 @@ void describe_verification(config::Schema<Config>& schema) {
 
 }  // namespace
 
-std::string method_notice(const LoopMethod& method) {
+std::string describe_substitution(const LoopMethod& method) {
   if (method.point_to_plane) return "";
   registration::RegistrationConfig config;
   config.method = method.other;
-  return registration::method_notice(config);
+  return registration::describe_substitution(config);
 }
 
 const config::Schema<LoopClosingConfig>& LoopClosingConfig::schema() {

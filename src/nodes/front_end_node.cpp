@@ -97,7 +97,7 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
       front_end_(config.stage),
       assembler_(config.stage.odometry == front_end::OdometrySource::kExternal),
       key_frame_(context.node, "key_frame", kRepeatedKeyFrames) {
-  const std::string notice = registration::method_notice(config.stage.registration);
+  const std::string notice = registration::describe_substitution(config.stage.registration);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
   status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);

@@ -84,7 +84,7 @@ class Planner {
   // Of a segment in which a key frame is followed.
   void find_new(std::size_t begin, std::size_t end);
   std::vector<Pose> carried_poses(std::size_t begin, std::size_t end) const;
-  bool sees_new(std::size_t i, const Pose& T_map_base) const;
+  bool observes_new(std::size_t i, const Pose& T_map_base) const;
   const KeyFramePose& nearest(const Pose& T_map_base) const;
   std::vector<NewSection> long_runs(std::size_t begin, std::size_t end);
   void leave_out_short(const NewSection& run);
@@ -104,7 +104,7 @@ class Planner {
 
 void Planner::find_new(std::size_t begin, std::size_t end) {
   const std::vector<Pose> poses = carried_poses(begin, end);
-  for (std::size_t i = begin; i < end; ++i) is_new_[i] = sees_new(i, poses[i - begin]);
+  for (std::size_t i = begin; i < end; ++i) is_new_[i] = observes_new(i, poses[i - begin]);
 }
 
 /// T_map_base of the key frames of a segment: by the localisation where it is followed, else by
@@ -126,7 +126,7 @@ std::vector<Pose> Planner::carried_poses(std::size_t begin, std::size_t end) con
 
 /// While the place is searched for nothing is known of the surroundings, so that its distance from
 /// the map decides.
-bool Planner::sees_new(std::size_t i, const Pose& T_map_base) const {
+bool Planner::observes_new(std::size_t i, const Pose& T_map_base) const {
   const localization::LocalizationResult& place = drive_[i].place;
   if (place.state == LocalizationState::kBesideMap) return place.agreement < kShownAgreement;
   if (is_followed(i) && place.coverage >= kKnownCoverage) return false;

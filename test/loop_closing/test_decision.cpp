@@ -209,7 +209,7 @@ TEST(LoopClosingConfig, AcceptsTheNamesOfBothPredecessors) {
       "fitness_score_limit: 0.2\nmap_filter: voxel_filter\nscan_filter: no_filter\n"
       "voxel_filter: {map: {leaf_size: 0.3}, scan: {leaf_size: 0.3}}\n"
       "distance_thresh: 15.0\naccum_distance_thresh: 25.0\nmin_edge_interval: 15.0\n",
-      "articles")});
+      "lidar_localization")});
   EXPECT_EQ(config.diff_num, 100);
   EXPECT_EQ(config.scan_filter, FilterMethod::kNone);
   EXPECT_EQ(config.map_leaf_size, 0.3);

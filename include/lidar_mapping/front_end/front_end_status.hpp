@@ -54,7 +54,7 @@ struct FrontEndStatus {
   /// are counted instead (SweepClock); otherwise 0.
   double stamp_jitter = 0.0;
   /// Where the times of the points come from; other than as given if these were found wrong
-  /// (SweepTimesTrial).
+  /// (SweepTimesValidator).
   SweepTimesRule sweep_times;
   /// The gyro predicts the matches worse than a prediction without it does, so it is not used
   /// (GyroValidator).
