@@ -199,7 +199,7 @@ class Localizer::Impl {
   }
 
   MapParts& map_;
-  ScanSampler sampler_;
+  ScanPointSampler sampler_;
   ScanPoints points_;  ///< of the newest scan
   MapMatcher matcher_;
   PlaceFinder finder_;

@@ -133,7 +133,7 @@ class Import {
 
   std::vector<PointTilePtr> tiles_around(const Place& place) {
     std::vector<PointTilePtr> tiles;
-    for (const TileIndex& index :
+    for (const PointTileIndex& index :
          tiles_.indices_around(place.T_map_base * p_base_lidar(), kSight)) {
       tiles.push_back(tiles_.tile(index));
     }
