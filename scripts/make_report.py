@@ -78,9 +78,9 @@ def draw_loops(axis, report, at, verdict, label, **style):
 
 
 def draw_doubt(axis, report, trajectory):
-    """Stretches of the way that are doubtful, under the trajectory."""
+    """Sections of the path that are doubtful, under the trajectory."""
     labels = {True: 'doubtful', False: 'not to be trusted'}
-    for section in sorted(report['doubt']['stretches'], key=lambda s: not s['trusted']):
+    for section in sorted(report['doubt']['sections'], key=lambda s: not s['trusted']):
         rows = slice(section['rows'][0], section['rows'][1] + 1)
         trusted = section['trusted']
         axis.plot(trajectory['x'][rows], trajectory['y'][rows], '-',
@@ -155,8 +155,8 @@ def misalignment_plan(report, trajectory):
     """Where the map was driven twice, and how far the passes lie apart."""
     figure, axis = plt.subplots(figsize=plan_size(trajectory))
     axis.plot(trajectory['x'], trajectory['y'], color='#cbd2d9', linewidth=1.2)
-    places = np.array([one['position'][:2] for one in report['ghosts']])
-    sizes = 1000.0 * np.array([one['size_m'] for one in report['ghosts']])
+    places = np.array([one['position'][:2] for one in report['misalignments']])
+    sizes = 1000.0 * np.array([one['size_m'] for one in report['misalignments']])
     dots = axis.scatter(places[:, 0], places[:, 1], c=sizes, s=42, cmap='viridis_r', vmin=0,
                         vmax=max(20.0, sizes.max()), edgecolors='white', linewidths=0.6, zorder=3)
     for number, place in enumerate(places[:6]):
@@ -286,8 +286,8 @@ def pictures(report, data_directory):
         images['uncertainty'] = along(
             [(uncertainty['distance'], uncertainty['sigma_m'], BLUE, None, '-')],
             'standard deviation (m)', 0.01, from_zero=True)
-    if report['ghosts']:
-        images['ghosts'] = misalignment_plan(report, trajectory)
+    if report['misalignments']:
+        images['misalignments'] = misalignment_plan(report, trajectory)
     if report['truth']:
         truth = table(report['truth'])
         images['truth'] = along([(truth['distance'], 1000.0 * truth['error_m'], RED, None, '-')],

@@ -99,8 +99,8 @@ std::optional<GroupPlacement> next_placement(const DriveGraph& drive,
 
 /// A segment that was placed beside one that is not in East-North-Up has left it: the two are to be
 /// aligned together.
-void forget_alignments(const std::vector<int>& groups, const std::vector<int>& by_new_loops,
-                       std::vector<bool>& in_enu) {
+void reset_alignments(const std::vector<int>& groups, const std::vector<int>& by_new_loops,
+                      std::vector<bool>& in_enu) {
   std::vector<bool> group_in_enu(groups.size(), false);
   for (std::size_t segment = 0; segment < groups.size(); ++segment) {
     if (in_enu[segment]) group_in_enu[groups[segment]] = true;
@@ -163,7 +163,7 @@ void connect_segments(DriveGraph& drive) {
     for (std::size_t segment = 0; segment < segments.size(); ++segment)
       if (segments[segment]) placed[segment] = true;
   }
-  forget_alignments(groups, by_new_loops, drive.in_enu);
+  reset_alignments(groups, by_new_loops, drive.in_enu);
 }
 
 Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool realign) {

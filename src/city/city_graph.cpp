@@ -222,7 +222,7 @@ void CityGraph::leave_out_contradicting_gnss() {
     drive.notices.push_back(formatted(
         "its GNSS is left out: by loops it lies %.1f m beside that of %s; it contradicts %zu "
         "drives and agrees with %zu",
-        bad.offset, city_.drives[bad.witness].name.c_str(), bad.contradicted, bad.confirmed));
+        bad.offset, city_.drives[bad.other_drive].name.c_str(), bad.contradicted, bad.confirmed));
   }
 }
 

@@ -25,7 +25,7 @@ double allowed_offset(double stddev_a, double stddev_b);
 /// A drive whose GNSS is not to be used, and why.
 struct ContradictingGnss {
   std::size_t drive = 0;         ///< its number
-  std::size_t witness = 0;       ///< a drive that it contradicts
+  std::size_t other_drive = 0;   ///< a drive that it contradicts
   double offset = 0.0;           ///< by how much it contradicts that one, m
   std::size_t contradicted = 0;  ///< number of drives that it contradicts
   std::size_t confirmed = 0;     ///< number of drives that it agrees with

@@ -26,8 +26,8 @@ struct PairLoops {
 /// Searches the loops of one chunk as loop closing does within a drive, with the graph of both
 /// drives behind it. With GNSS in both the candidates are placed by it. If that finds nothing
 /// although the drives look alike, the search is repeated without GNSS, because one of the two may
-/// be wrong; then matches have to agree over `unanchored_stretch`. The result does not depend on
-/// other chunks. `scratch` is a folder for temporary files. Throws FileError.
+/// be wrong; then matches have to agree over `unanchored_path_length`. The result does not depend
+/// on other chunks. `scratch` is a folder for temporary files. Throws FileError.
 PairLoops search_chunk(const session::Session& a, const session::Session& b, const Chunk& chunk,
                        const back_end::BackEndConfig& back_end,
                        const loop_closing::LoopClosingConfig& loop_closing,

@@ -28,7 +28,8 @@ constexpr std::size_t kMinAlikePlaces = 3;
 // Pieces of drive b in a chunk. Chosen: about a kilometre, some minutes of work.
 constexpr std::size_t kMaxPieces = 10;
 // Pieces to either side that are searched, too: unconnected drives are joined only by matches that
-// agree over 100 m (unanchored_stretch). By geometry, of two pieces one would do; chosen: one more.
+// agree over 100 m (unanchored_path_length). By geometry, of two pieces one would do; chosen: one
+// more.
 constexpr std::size_t kNeighbours = 2;
 
 struct PieceId {
@@ -74,15 +75,16 @@ void pair_by_position(const std::vector<DrivePieces>& drives, PairedDrives& pair
   }
 }
 
-struct Place {
+/// How one place of a piece looks.
+struct PieceAppearance {
   PieceId piece;
   const AppearanceKey* key;
 };
 
 /// Places that are looked up: all of a piece without positions. Where there is GNSS, one for each
 /// piece is enough to notice that it contradicts the surroundings.
-std::vector<Place> queries_of(const DrivePieces& drive, std::size_t index) {
-  std::vector<Place> queries;
+std::vector<PieceAppearance> queries_of(const DrivePieces& drive, std::size_t index) {
+  std::vector<PieceAppearance> queries;
   for (std::size_t p = 0; p < drive.pieces.size(); ++p) {
     const auto& places = drive.pieces[p].places;
     if (drive.pieces[p].box) {
@@ -94,36 +96,38 @@ std::vector<Place> queries_of(const DrivePieces& drive, std::size_t index) {
   return queries;
 }
 
-std::vector<Place> places_of(const std::vector<DrivePieces>& drives) {
-  std::vector<Place> places;
+std::vector<PieceAppearance> appearances_of(const std::vector<DrivePieces>& drives) {
+  std::vector<PieceAppearance> appearances;
   for (std::size_t d = 0; d < drives.size(); ++d) {
     for (std::size_t p = 0; p < drives[d].pieces.size(); ++p) {
-      for (const AppearanceKey& key : drives[d].pieces[p].places) places.push_back({{d, p}, &key});
+      for (const AppearanceKey& key : drives[d].pieces[p].places)
+        appearances.push_back({{d, p}, &key});
     }
   }
-  return places;
+  return appearances;
 }
 
 /// The most similar places of other drives, best first.
-std::vector<PieceId> similar_places(const Place& query, const std::vector<Place>& places) {
+std::vector<PieceId> similar_places(const PieceAppearance& query,
+                                    const std::vector<PieceAppearance>& appearances) {
   std::vector<std::pair<double, std::size_t>> nearest;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i].piece.drive == query.piece.drive) continue;
-    const double distance = distance_between(*query.key, *places[i].key);
+  for (std::size_t i = 0; i < appearances.size(); ++i) {
+    if (appearances[i].piece.drive == query.piece.drive) continue;
+    const double distance = distance_between(*query.key, *appearances[i].key);
     if (distance < kMaxDistance) nearest.emplace_back(distance, i);
   }
   std::sort(nearest.begin(), nearest.end());
   if (nearest.size() > kNearestPlaces) nearest.resize(kNearestPlaces);
   std::vector<PieceId> result;
-  for (const auto& [distance, place] : nearest) result.push_back(places[place].piece);
+  for (const auto& [distance, i] : nearest) result.push_back(appearances[i].piece);
   return result;
 }
 
 void pair_by_appearance(const std::vector<DrivePieces>& drives, PairedDrives& pairs) {
-  const std::vector<Place> places = places_of(drives);
+  const std::vector<PieceAppearance> appearances = appearances_of(drives);
   for (std::size_t d = 0; d < drives.size(); ++d) {
-    for (const Place& query : queries_of(drives[d], d)) {
-      for (PieceId b : similar_places(query, places)) {
+    for (const PieceAppearance& query : queries_of(drives[d], d)) {
+      for (PieceId b : similar_places(query, appearances)) {
         PieceId a = query.piece;
         PairedPieces& pair = pair_of(pairs, a, b);
         ++pair.alike_places;

@@ -77,7 +77,7 @@ FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vecto
                                                        : FreeSpaceTest::kConsistent;
 }
 
-bool FreeSpaceImage::saw_through(const Eigen::Vector3f& p) const {
+bool FreeSpaceImage::is_certain_violation(const Eigen::Vector3f& p) const {
   const Cell cell = cell_of(p);
   if (!has_return(cell)) return false;
   const Block block = block_around(cell);

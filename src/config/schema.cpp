@@ -11,7 +11,7 @@ namespace lidar_mapping::config {
 namespace {
 
 /// Without those that differ from an earlier one by capital letters alone.
-std::vector<std::string> told_apart(const std::vector<std::string>& words) {
+std::vector<std::string> unique_ignoring_case(const std::vector<std::string>& words) {
   std::vector<std::string> result;
   for (const std::string& word : words) {
     const auto is_same = [&](const std::string& other) {
@@ -132,7 +132,7 @@ std::string describe(const char* type, const Range& range) {
 }
 
 std::string describe_choices(const std::vector<std::string>& names) {
-  const std::vector<std::string> choices = told_apart(names);
+  const std::vector<std::string> choices = unique_ignoring_case(names);
   std::string text;
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (i > 0) text += i + 1 == choices.size() ? " or " : ", ";

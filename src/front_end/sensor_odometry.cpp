@@ -36,7 +36,7 @@ SensorOdometry::SensorOdometry(const FrontEndConfig& config)
     : matches_scans_(config.odometry == OdometrySource::kLidar),
       tracker_(make_tracker(config)),
       key_frames_(config) {
-  if (config.check_point_times && is_sequential_ndt(config)) times_trial_.emplace(config);
+  if (config.check_point_times && is_sequential_ndt(config)) times_validator_.emplace(config);
 }
 
 Eigen::Vector3d SensorOdometry::angular_velocity() const {
@@ -90,12 +90,12 @@ void SensorOdometry::resume(KeyFrameIndex next_index, std::uint32_t next_segment
   ride_detector_.interrupt();
   provisional_.clear();
   tracker_->restart();
-  if (times_trial_) times_trial_->restart();
+  if (times_validator_) times_validator_->restart();
 }
 
 void SensorOdometry::set_viewpoint_at_origin() {
   tracker_->set_viewpoint_at_origin();
-  if (times_trial_) times_trial_->set_viewpoint_at_origin();
+  if (times_validator_) times_validator_->set_viewpoint_at_origin();
 }
 
 void SensorOdometry::check_stamp(Stamp stamp) const {
@@ -131,22 +131,22 @@ std::optional<Scan> SensorOdometry::with_right_times(const Scan& scan, const Mot
   return Scan{scan.stamp, std::move(cloud)};
 }
 
-/// Continues the trial of other times, if it is not finished. If other times are right, their
+/// Continues the check of the times, if it is not finished. If other times are right, their
 /// tracker takes over, and the function returns true; the scan itself still has the wrong times.
 bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
                                      bool is_gyro_corrected, TrackedScan& tracked,
                                      std::vector<FrontEndResult>& finalized) {
   tracked.status.sweep_times = times_;
-  if (!times_trial_) return false;
+  if (!times_validator_) return false;
   timer_.start("point times");
   MotionPrior without_gyro = prior;
   if (prior.uneven_turning) without_gyro.angular_velocity.reset();
   std::optional<Scan> uncorrected;
   if (is_gyro_corrected)
     uncorrected = Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
-  std::optional<SweepTimesTrial::Successor> successor =
-      times_trial_->add(uncorrected ? *uncorrected : scan, without_gyro, tracked);
-  if (times_trial_->is_finished()) times_trial_.reset();
+  std::optional<SweepTimesValidator::Successor> successor =
+      times_validator_->add(uncorrected ? *uncorrected : scan, without_gyro, tracked);
+  if (times_validator_->is_finished()) times_validator_.reset();
   timer_.stop();
   if (!successor) return false;
   finalized = finalize();
@@ -168,7 +168,7 @@ void SensorOdometry::check_vertical_ride(Stamp stamp, const MotionPrior& prior,
   const double seconds = last_stamp_ ? to_seconds(stamp - *last_stamp_) : 0.0;
   const bool adjoins = prior.felt && last_stamp_ == prior.felt->since;
   ride_detector_.add(tracked.T_odom_base, seconds, adjoins ? prior.felt : std::nullopt);
-  status.unseen_way = ride_detector_.distance();
+  status.vertical_ride_distance = ride_detector_.distance();
   status.unobserved_stddev = std::hypot(status.unobserved_stddev, ride_detector_.distance());
   if (!ride_detector_.is_riding()) return;
   status.degenerate_directions.push_back(tracked.T_odom_base.rotation.conjugate() *

@@ -14,7 +14,7 @@
 #include "motion/vertical_ride_detector.hpp"
 #include "scan/cloud_fingerprint.hpp"
 #include "scan/isolated_point_filter.hpp"
-#include "tracking/sweep_times_trial.hpp"
+#include "tracking/sweep_times_validator.hpp"
 #include "tracking/tracker.hpp"
 
 namespace lidar_mapping::front_end {
@@ -67,7 +67,7 @@ class SensorOdometry {
   RepeatedScans repeated_scans_;
   IsolatedPointFilter isolated_point_filter_;
   std::unique_ptr<Tracker> tracker_;
-  std::optional<SweepTimesTrial> times_trial_;  ///< empty if finished, or if there is none
+  std::optional<SweepTimesValidator> times_validator_;  ///< empty if finished, or if there is none
   SweepTimesRule times_;
   VerticalRideDetector ride_detector_;
   KeyFrameMaker key_frames_;

@@ -38,7 +38,7 @@ std::vector<StatusWarning> warnings_of(const FrontEndStatus& status) {
          "velocity: it does not agree with the matched motion; check its unit (m/s), its sign, its "
          "axes (tf) and whether its sensor measures, or set use_velocity: false"});
   }
-  if (status.unseen_way > 0.0) {
+  if (status.vertical_ride_distance > 0.0) {
     warnings.push_back(
         {"ride",
          "imu: the accelerometer feels the sensor go up or down while the points show nothing of "

@@ -34,22 +34,22 @@ void Hypotheses::move(const Pose& T_previous_base, const Covariance6& covariance
 }
 
 void Hypotheses::update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher,
-                        double way) {
-  for (Hypothesis& hypothesis : all_) hypothesis.update(points, map, matcher, way);
+                        double distance) {
+  for (Hypothesis& hypothesis : all_) hypothesis.update(points, map, matcher, distance);
   all_.erase(std::remove_if(all_.begin(), all_.end(),
                             [](const Hypothesis& hypothesis) { return hypothesis.is_refuted(); }),
              all_.end());
-  compare(way);
+  compare(distance);
   merge();
 }
 
 /// What all places leave unexplained, such as a truck beside the vehicle, tells nothing.
-void Hypotheses::compare(double way) {
+void Hypotheses::compare(double distance) {
   double best = 0.0;
   for (const Hypothesis& hypothesis : all_) {
     best = std::max(best, hypothesis.match().agreement.agreement);
   }
-  for (Hypothesis& hypothesis : all_) hypothesis.compare(best, way);
+  for (Hypothesis& hypothesis : all_) hypothesis.compare(best, distance);
   const auto least = std::min_element(
       all_.begin(), all_.end(),
       [](const Hypothesis& a, const Hypothesis& b) { return a.deficit() < b.deficit(); });

@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::localization {
 
-/// All places that are possible, none of them twice. Those that explain the way worse than another
+/// All places that are possible, none of them twice. Those that explain the path worse than another
 /// one fall behind it; they are kept, so that they do not begin anew whenever they are found again.
 class Hypotheses {
  public:
@@ -21,7 +21,7 @@ class Hypotheses {
 
   void move(const Pose& T_previous_base, const Covariance6& covariance);
   /// Matches a scan at each, and drops those that it refutes.
-  void update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double way);
+  void update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double distance);
   /// A new search begins; its verifications follow.
   void begin_search();
   /// A verification led to this pose: a new hypothesis, or one more sign for one that is there. A
@@ -33,7 +33,7 @@ class Hypotheses {
   const std::vector<Hypothesis>& all() const { return all_; }
 
  private:
-  void compare(double way);
+  void compare(double distance);
   void merge();
 
   std::vector<Hypothesis> all_;

@@ -9,7 +9,7 @@ namespace lidar_mapping::localization {
 
 namespace {
 
-/// Share of the points near the sensor that the map has to know, so that it can be asked at all.
+/// Fraction of the points near the sensor that the map has to know, so that it can be asked at all.
 /// Chosen.
 constexpr double kLeastCoverage = 0.4;
 /// Mean weight of the points above ground, those in unknown voxels included, from which on the map
@@ -20,17 +20,17 @@ constexpr double kContradicting = 0.15;
 /// Points within 40 m that a scan needs, so that it can tell anything. Chosen: a scan has 500 and
 /// more, also of 16 beams in a field; a covered sensor has some tens.
 constexpr std::size_t kLeastPoints = 150;
-/// Share of the usual agreement below which something else is seen, also where that agrees in part:
-/// streets have walls on both sides and a road between. Chosen.
-constexpr double kUsualShare = 0.6;
+/// Fraction of the usual agreement below which something else is seen, also where that agrees in
+/// part: streets have walls on both sides and a road between. Chosen.
+constexpr double kUsualFraction = 0.6;
 /// m over which the usual agreement is taken. Chosen: some houses.
-constexpr double kUsualWay = 20.0;
+constexpr double kUsualDistance = 20.0;
 /// m of agreement, and the agreement that each scan of it has, that confirm a place that no
 /// verification confirms, because too little stands there. Chosen.
-constexpr double kConfirmingWay = 30.0;
+constexpr double kConfirmingDistance = 30.0;
 constexpr double kConfirmingAgreement = 0.5;
 /// m: scans that far apart are independent evidence. Chosen: the edge of a voxel.
-constexpr double kIndependentWay = 1.0;
+constexpr double kIndependentDistance = 1.0;
 /// Weight of a scan at rest, which sees nothing new but its noise. Chosen.
 constexpr double kWeightAtRest = 0.1;
 /// Change of the log odds by independent evidence: chosen so that several metres decide, never one.
@@ -54,7 +54,9 @@ constexpr double kGreatest = 7.0;
 constexpr double kStepNoise = 0.01;
 constexpr double kStepNoiseAngle = 0.03 * kRadPerDeg;
 
-double weight_of(double way) { return std::clamp(way / kIndependentWay, kWeightAtRest, 1.0); }
+double weight_of(double distance) {
+  return std::clamp(distance / kIndependentDistance, kWeightAtRest, 1.0);
+}
 
 double log_odds_of(Evidence evidence) {
   switch (evidence) {
@@ -86,11 +88,11 @@ void Hypothesis::move(const Pose& T_previous_base, const Covariance6& covariance
 }
 
 Evidence Hypothesis::update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher,
-                            double way) {
+                            double distance) {
   match_ = matcher.match(points, map, estimate_);
   evidence_ = judged();
-  remember(way);
-  add(weight_of(way) * log_odds_of(evidence_));
+  remember(distance);
+  add(weight_of(distance) * log_odds_of(evidence_));
   if (evidence_ == Evidence::kAgrees) estimate_ = match_.estimate;
   return evidence_;
 }
@@ -100,19 +102,19 @@ Evidence Hypothesis::update(const ScanPoints& points, MapSurfaces& map, MapMatch
 Evidence Hypothesis::judged() const {
   const Evidence evidence = evidence_of(match_);
   if (evidence != Evidence::kAgrees) return evidence;
-  if (match_.agreement.agreement < kUsualShare * usual_agreement_) return Evidence::kUnknown;
-  const bool is_confirmed = is_confirmed_ || agreeing_way_ > kConfirmingWay;
+  if (match_.agreement.agreement < kUsualFraction * usual_agreement_) return Evidence::kUnknown;
+  const bool is_confirmed = is_confirmed_ || agreeing_distance_ > kConfirmingDistance;
   return is_confirmed ? Evidence::kAgrees : Evidence::kUnconfirmed;
 }
 
-void Hypothesis::remember(double way) {
+void Hypothesis::remember(double distance) {
   const double agreement = match_.agreement.agreement;
   if (match_.agreement.points >= kLeastPoints) {
-    usual_agreement_ += std::min(1.0, way / kUsualWay) * (agreement - usual_agreement_);
+    usual_agreement_ += std::min(1.0, distance / kUsualDistance) * (agreement - usual_agreement_);
   }
   if (evidence_ == Evidence::kUnknown || evidence_ == Evidence::kContradicts) is_confirmed_ = false;
   const bool agrees = evidence_of(match_) == Evidence::kAgrees && agreement > kConfirmingAgreement;
-  agreeing_way_ = agrees ? agreeing_way_ + way : 0.0;
+  agreeing_distance_ = agrees ? agreeing_distance_ + distance : 0.0;
 }
 
 void Hypothesis::verify(const PoseEstimate& verified) {
@@ -126,9 +128,9 @@ void Hypothesis::verify(const PoseEstimate& verified) {
 
 void Hypothesis::refuse() { add(kOfRefusal); }
 
-void Hypothesis::compare(double best, double way) {
+void Hypothesis::compare(double best, double distance) {
   const double missing = std::max(0.0, best - match_.agreement.agreement - kSameAgreement);
-  deficit_ = std::min(deficit_ + weight_of(way) * kOfDifference * missing, kGreatestDeficit);
+  deficit_ = std::min(deficit_ + weight_of(distance) * kOfDifference * missing, kGreatestDeficit);
 }
 
 void Hypothesis::absorb(const Hypothesis& other) {

@@ -24,8 +24,8 @@ class Hypothesis {
 
   /// Moves along with odometry. `covariance` is that of the motion, in the axes of its end.
   void move(const Pose& T_previous_base, const Covariance6& covariance);
-  /// Matches a scan that was taken `way` metres after the one before, judges and follows it.
-  Evidence update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double way);
+  /// Matches a scan that was taken `distance` metres after the one before, judges and follows it.
+  Evidence update(const ScanPoints& points, MapSurfaces& map, MapMatcher& matcher, double distance);
   /// Another verification led to this place.
   void verify(const PoseEstimate& verified);
   /// A new search begins, which has not led here yet.
@@ -48,9 +48,9 @@ class Hypothesis {
   bool is_refuted() const { return log_odds_ < 0.0; }
   /// The place is as good as any other that is known.
   bool is_possible() const { return log_odds() >= 0.0; }
-  /// Another place explains more of the scan: its agreement is `best`. `way` as in update().
-  void compare(double best, double way);
-  /// By how much another place has explained the way better, as a logarithm of odds; 0 for the
+  /// Another place explains more of the scan: its agreement is `best`. `distance` as in update().
+  void compare(double best, double distance);
+  /// By how much another place has explained the path better, as a logarithm of odds; 0 for the
   /// best.
   double deficit() const { return deficit_; }
   /// Makes the deficit of the best place zero.
@@ -60,16 +60,16 @@ class Hypothesis {
 
  private:
   Evidence judged() const;
-  void remember(double way);
+  void remember(double distance);
   void add(double evidence);
 
   PoseEstimate estimate_;
   MapMatch match_;
   Evidence evidence_ = Evidence::kUnknown;
-  double usual_agreement_ = 0.0;  ///< where the map showed what was seen
-  double agreeing_way_ = 0.0;     ///< m, since the map last did not
-  bool is_confirmed_ = true;      ///< verified since then
-  bool is_found_ = true;          ///< verified since the search began
+  double usual_agreement_ = 0.0;    ///< where the map showed what was seen
+  double agreeing_distance_ = 0.0;  ///< m, since the map last did not
+  bool is_confirmed_ = true;        ///< verified since then
+  bool is_found_ = true;            ///< verified since the search began
   double log_odds_ = kLogOddsOfVerification;
   double deficit_ = 0.0;
   int verifications_ = 1;

@@ -85,9 +85,9 @@ class Localizer::Impl {
 
   LocalizationResult process(const LocalizerInput& input) {
     check(input.scan.stamp);
-    const double way = move(input);
+    const double distance = move(input);
     points_ = sampler_.sample(input.scan.cloud, input.p_base_lidar);
-    LocalizationResult result = found_ ? follow(input, way) : search(input, way);
+    LocalizationResult result = found_ ? follow(input, distance) : search(input, distance);
     result.stamp = input.scan.stamp;
     return result;
   }
@@ -126,9 +126,9 @@ class Localizer::Impl {
     return 0.0;
   }
 
-  LocalizationResult follow(const LocalizerInput& input, double way) {
-    const Evidence evidence = found_->update(points_, map_.surfaces, matcher_, way);
-    if (evidence == Evidence::kUnconfirmed) confirm(input, way);
+  LocalizationResult follow(const LocalizerInput& input, double distance) {
+    const Evidence evidence = found_->update(points_, map_.surfaces, matcher_, distance);
+    if (evidence == Evidence::kUnconfirmed) confirm(input, distance);
     if (evidence == Evidence::kAgrees) {
       finder_.restart();
       map_noise_.add_match(found_->estimate().T_map_base);
@@ -151,8 +151,8 @@ class Localizer::Impl {
 
   /// A wrong place may agree as well as one that odometry has led to, so it has to be verified
   /// before it is followed again.
-  void confirm(const LocalizerInput& input, double way) {
-    const auto confirmed = finder_.confirm(input, found_->match().estimate.T_map_base, way);
+  void confirm(const LocalizerInput& input, double distance) {
+    const auto confirmed = finder_.confirm(input, found_->match().estimate.T_map_base, distance);
     if (confirmed.outcome == PlaceFinder::Confirmation::kRefused) found_->refuse();
     if (confirmed.outcome == PlaceFinder::Confirmation::kAccepted) {
       found_->verify(confirmed.verified);
@@ -166,10 +166,10 @@ class Localizer::Impl {
     lost_because_ = reason;
   }
 
-  LocalizationResult search(const LocalizerInput& input, double way) {
+  LocalizationResult search(const LocalizerInput& input, double distance) {
     if (claim_) finder_.claim(*claim_);
     claim_.reset();
-    const auto found = finder_.search(input, points_, matcher_, way);
+    const auto found = finder_.search(input, points_, matcher_, distance);
     LocalizationResult result;
     if (const Hypothesis* best = finder_.hypotheses().best()) result = described(*best);
     result.hypotheses = finder_.hypotheses().size();
@@ -199,7 +199,7 @@ class Localizer::Impl {
   }
 
   MapParts& map_;
-  ScanSampler sampler_;
+  ScanPointSampler sampler_;
   ScanPoints points_;  ///< of the newest scan
   MapMatcher matcher_;
   PlaceFinder finder_;

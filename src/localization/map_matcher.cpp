@@ -44,7 +44,7 @@ MotionBelief belief_of(const PoseEstimate& predicted, double weight) {
   return belief;
 }
 
-NdtOptions coarse_options() {
+NdtOptions coarse_match_options() {
   NdtOptions options;
   options.max_iterations = 10;
   options.translation_epsilon = 0.02;
@@ -52,7 +52,7 @@ NdtOptions coarse_options() {
   return options;
 }
 
-NdtOptions fine_options() {
+NdtOptions fine_match_options() {
   NdtOptions options;
   options.max_iterations = kMaxIterations;
   return options;
@@ -96,12 +96,12 @@ MapMatcher::Alignment MapMatcher::aligned(const ScanPoints& points, MapSurfaces&
   if (is_uncertain(predicted)) {
     const NdtMatch coarse =
         matcher_.match(points.all, map.coarse(), belief_of(predicted, kCoarsePriorWeight), start,
-                       coarse_options());
+                       coarse_match_options());
     start = coarse.state;
     excursion = coarse.excursion;
   }
-  const NdtMatch found =
-      matcher_.match(points.all, map.fine(), belief_of(predicted, 1.0), start, fine_options());
+  const NdtMatch found = matcher_.match(points.all, map.fine(), belief_of(predicted, 1.0), start,
+                                        fine_match_options());
   return {found, excursion + found.excursion};
 }
 
@@ -111,8 +111,8 @@ std::vector<MatchedPoint> MapMatcher::weighted(const ScanPoints& points, MapSurf
   static_assert(registration::kNoPlane == kNotInMap);
   require_around(T_map_base, points, kReach, map);
   const registration::NdtPoints& all = points.all;
-  const std::vector<float> weights =
-      matcher_.weights(all, map.fine(), registration::MotionState{T_map_base}, fine_options());
+  const std::vector<float> weights = matcher_.weights(
+      all, map.fine(), registration::MotionState{T_map_base}, fine_match_options());
   std::vector<MatchedPoint> result(all.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     result[i] = {Eigen::Vector3f(all.x()[i], all.y()[i], all.z()[i]), weights[i]};

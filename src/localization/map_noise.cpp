@@ -10,12 +10,12 @@ namespace {
 
 /// m between two matches that are compared. Chosen: over less, both see the same surfaces and are
 /// off by the same; over more, the drift of odometry (0.02 %) counts.
-constexpr double kWay = 10.0;
+constexpr double kComparedDistance = 10.0;
 /// m between the matches that are kept. Chosen: the edge of a voxel.
 constexpr double kSpacing = 1.0;
 /// m on which two matches are not compared either: the map was left in between. Chosen: more than
-/// the way and the spacing.
-constexpr double kLongestWay = 12.0;
+/// the distance and the spacing.
+constexpr double kLongestDistance = 12.0;
 /// Comparisons over which the means are taken. Chosen: a map may be worse elsewhere.
 constexpr double kGreatestWeight = 50.0;
 /// Smallest standard deviations. Chosen: a map is not more exact than a tenth of the range noise;
@@ -30,15 +30,15 @@ double variance_of(const Eigen::Vector3d& difference) { return difference.square
 
 void MapNoise::move(const Pose& T_previous_base) {
   T_odom_base_ = T_odom_base_ * T_previous_base;
-  way_ += T_previous_base.translation.norm();
+  distance_ += T_previous_base.translation.norm();
 }
 
 void MapNoise::add_match(const Pose& T_map_base) {
-  const Match now{T_map_base, T_odom_base_, way_};
-  if (!matches_.empty() && now.way < matches_.back().way + kSpacing) return;
+  const Match now{T_map_base, T_odom_base_, distance_};
+  if (!matches_.empty() && now.distance < matches_.back().distance + kSpacing) return;
   matches_.push_back(now);
-  while (now.way > matches_.front().way + kWay) {
-    if (now.way < matches_.front().way + kLongestWay) learn(matches_.front(), now);
+  while (now.distance > matches_.front().distance + kComparedDistance) {
+    if (now.distance < matches_.front().distance + kLongestDistance) learn(matches_.front(), now);
     matches_.pop_front();
   }
 }

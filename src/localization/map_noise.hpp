@@ -16,7 +16,7 @@ class MapNoise {
   void add_match(const Pose& T_map_base);
   /// The motion by odometry since the last call.
   void move(const Pose& T_previous_base);
-  /// Odometry was interrupted or the place was given up: the way begins anew.
+  /// Odometry was interrupted or the place was given up: the distance starts again.
   void interrupt() { matches_.clear(); }
 
   double stddev() const;        ///< of each coordinate, m
@@ -26,14 +26,14 @@ class MapNoise {
   struct Match {
     Pose T_map_base;
     Pose T_odom_base;
-    double way;  ///< m, driven until then
+    double distance;  ///< m, driven until then
   };
 
   void learn(const Match& before, const Match& now);
 
   std::deque<Match> matches_;
   Pose T_odom_base_;
-  double way_ = 0.0;                                       ///< m
+  double distance_ = 0.0;                                  ///< m
   double weight_ = kAssumedWeight;                         ///< comparisons in the means
   double variance_ = kAssumed * kAssumed;                  ///< m^2
   double variance_angle_ = kAssumedAngle * kAssumedAngle;  ///< rad^2

@@ -11,8 +11,8 @@ namespace {
 /// measured on many drives (doc/results/front_end.md).
 constexpr double kFineEdge = 1.0;
 constexpr int kCoarseFactor = 3;
-/// Share of the fine voxels for which the coarse table has room. Chosen: a surface has a ninth.
-constexpr std::size_t kCoarseShare = 4;
+/// The coarse table has room for one in so many of the fine voxels. Chosen: a surface has a ninth.
+constexpr std::size_t kCoarseDivisor = 4;
 
 /// Slots of an empty fine table, 2 MB. Chosen: enough for a yard.
 constexpr std::size_t kFirstSlots = std::size_t{1} << 15;
@@ -22,7 +22,7 @@ constexpr int kTileEdge = 16;
 /// m beyond kMaxRange, because the position of the LiDAR is rounded to floats. Chosen: far more.
 constexpr double kRounding = 1.0;
 
-SurfaceTiles::Options fine_options(std::size_t most_slots) {
+SurfaceTiles::Options fine_tile_options(std::size_t most_slots) {
   SurfaceTiles::Options options;
   options.voxel_edge = kFineEdge;
   options.tile_edge = kCoarseFactor * kTileEdge;
@@ -31,13 +31,13 @@ SurfaceTiles::Options fine_options(std::size_t most_slots) {
   return options;
 }
 
-SurfaceTiles::Options coarse_options(std::size_t most_slots) {
+SurfaceTiles::Options coarse_tile_options(std::size_t most_slots) {
   SurfaceTiles::Options options;
   options.voxel_edge = kCoarseFactor * kFineEdge;
   options.model = registration::PlaneModel::coarse();
   options.tile_edge = kTileEdge;
-  options.first_slots = kFirstSlots / kCoarseShare;
-  options.most_slots = most_slots / kCoarseShare;
+  options.first_slots = kFirstSlots / kCoarseDivisor;
+  options.most_slots = most_slots / kCoarseDivisor;
   return options;
 }
 
@@ -65,7 +65,8 @@ Coordinates near_points(const PointCloud& cloud, const Pose& T_origin_base,
 }  // namespace
 
 MapSurfaces::MapSurfaces(std::size_t most_slots, const std::filesystem::path& directory)
-    : fine_(fine_options(most_slots), directory), coarse_(coarse_options(most_slots), directory) {}
+    : fine_(fine_tile_options(most_slots), directory),
+      coarse_(coarse_tile_options(most_slots), directory) {}
 
 void MapSurfaces::insert(const PointCloud& cloud, const Pose& T_map_base,
                          const Eigen::Vector3d& p_base_lidar) {

@@ -11,9 +11,9 @@ namespace {
 
 /// Candidates that are verified with one scan, so that its time is bounded. Chosen.
 constexpr std::size_t kVerificationsPerScan = 2;
-/// A search follows the last one after this way (m) or so many scans. Chosen: it then sees the
+/// A search follows the last one after this distance (m) or so many scans. Chosen: it then sees the
 /// place from elsewhere, or with other noise.
-constexpr double kSearchWay = 1.0;
+constexpr double kSearchDistance = 1.0;
 constexpr int kSearchScans = 5;
 /// A place is certain from this probability on, if so many searches led to it. Chosen: two places
 /// that look alike have less than a half, and one search may lead to a wrong one.
@@ -39,7 +39,7 @@ void PlaceFinder::restart() {
   is_searching_ = false;
   searches_ = 0;
   scans_ = 0;
-  way_ = 0.0;
+  distance_ = 0.0;
 }
 
 void PlaceFinder::move(const Pose& T_previous_base, const Covariance6& covariance) {
@@ -50,11 +50,11 @@ void PlaceFinder::move(const Pose& T_previous_base, const Covariance6& covarianc
 }
 
 std::optional<Hypothesis> PlaceFinder::search(const LocalizerInput& input, const ScanPoints& points,
-                                              MapMatcher& matcher, double way) {
+                                              MapMatcher& matcher, double distance) {
   recent_.add(input.scan.cloud, T_start_base_, input.p_base_lidar);
-  way_ += way;
+  distance_ += distance;
   ++scans_;
-  hypotheses_.update(points, map_.surfaces, matcher, way);
+  hypotheses_.update(points, map_.surfaces, matcher, distance);
   if (is_search_due()) begin_search();
   if (is_searching_) verify_some();
   return certain();
@@ -66,14 +66,16 @@ bool PlaceFinder::is_search_due() const {
 }
 
 /// A verification then sees the place from elsewhere, or with other noise.
-bool PlaceFinder::has_gone_on() const { return way_ >= kSearchWay || scans_ >= kSearchScans; }
+bool PlaceFinder::has_gone_on() const {
+  return distance_ >= kSearchDistance || scans_ >= kSearchScans;
+}
 
 PlaceFinder::Confirmed PlaceFinder::confirm(const LocalizerInput& input, const Pose& T_map_base,
-                                            double way) {
-  way_ += way;
+                                            double distance) {
+  distance_ += distance;
   ++scans_;
   if (!has_gone_on()) return {};
-  way_ = 0.0;
+  distance_ = 0.0;
   scans_ = 0;
   recent_.add(input.scan.cloud, T_start_base_, input.p_base_lidar);
   map_.places.set_query(recent_.query());
@@ -85,7 +87,7 @@ PlaceFinder::Confirmed PlaceFinder::confirm(const LocalizerInput& input, const P
 /// Places that are possible already are verified again first; candidates for what is known are left
 /// out.
 void PlaceFinder::begin_search() {
-  way_ = 0.0;
+  distance_ = 0.0;
   scans_ = 0;
   is_searching_ = true;
   hypotheses_.begin_search();

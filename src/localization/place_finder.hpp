@@ -26,10 +26,10 @@ class PlaceFinder {
   void claim(const Pose& T_map_base) { claim_ = Claim{T_map_base}; }
   /// Carries all along by odometry.
   void move(const Pose& T_previous_base, const Covariance6& covariance);
-  /// Looks at the next scan, `way` metres after the one before; returns the place once it is
+  /// Looks at the next scan, `distance` metres after the one before; returns the place once it is
   /// certain.
   std::optional<Hypothesis> search(const LocalizerInput& input, const ScanPoints& points,
-                                   MapMatcher& matcher, double way);
+                                   MapMatcher& matcher, double distance);
 
   enum class Confirmation {
     kNotDue,   ///< the last one was less than a metre and five scans ago
@@ -42,7 +42,7 @@ class PlaceFinder {
   };
   /// Verifies a place that is followed, if that is due: with this scan and those with which it was
   /// verified before.
-  Confirmed confirm(const LocalizerInput& input, const Pose& T_map_base, double way);
+  Confirmed confirm(const LocalizerInput& input, const Pose& T_map_base, double distance);
 
   const Hypotheses& hypotheses() const { return hypotheses_; }
   /// Why no place is certain yet, in one sentence.
@@ -70,7 +70,7 @@ class PlaceFinder {
   bool is_searching_ = false;    ///< candidates of a search are being verified
   int searches_ = 0;             ///< that have ended
   int scans_ = 0;                ///< since the last search began
-  double way_ = 0.0;             ///< since then, m
+  double distance_ = 0.0;        ///< since then, m
 };
 
 }  // namespace lidar_mapping::localization

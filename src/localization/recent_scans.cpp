@@ -33,10 +33,10 @@ loop_closing::PlaceQuery RecentScans::query() const {
   loop_closing::VoxelMeans voxels;
   voxels.reset(scan_leaf_);
   for (const Eigen::Vector3f& p : newest_.points) voxels.add(p);
-  for (const Seen& seen : earlier_) {
+  for (const RecentScan& scan : earlier_) {
     const Eigen::Isometry3f T =
-        loop_closing::isometry(newest_.T_odom_base.inverse() * seen.T_odom_base);
-    for (const Eigen::Vector3f& p : seen.points) voxels.add(T * p);
+        loop_closing::isometry(newest_.T_odom_base.inverse() * scan.T_odom_base);
+    for (const Eigen::Vector3f& p : scan.points) voxels.add(T * p);
   }
   return {voxels.points(), newest_.points, p_base_lidar_};
 }

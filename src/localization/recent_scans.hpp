@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::localization {
 
-/// The last scans that are some way apart: together they are dense enough to be verified, also
+/// The last scans that are some distance apart: together they are dense enough to be verified, also
 /// those of a sensor with few beams.
 class RecentScans {
  public:
@@ -16,7 +16,7 @@ class RecentScans {
 
   /// The newest scan in base_link, and its pose in a frame that odometry keeps.
   void add(const PointCloud& cloud, const Pose& T_odom_base, const Eigen::Vector3d& p_base_lidar);
-  /// Forgets all scans.
+  /// Removes all scans.
   void clear();
   /// The newest scan with those before it.
   loop_closing::PlaceQuery query() const;
@@ -24,15 +24,15 @@ class RecentScans {
   const loop_closing::Points& newest() const { return newest_.points; }
 
  private:
-  struct Seen {
+  struct RecentScan {
     loop_closing::Points points;
     Pose T_odom_base;
   };
 
   double map_leaf_;
   double scan_leaf_;
-  Seen newest_;
-  std::deque<Seen> earlier_;
+  RecentScan newest_;
+  std::deque<RecentScan> earlier_;
   Eigen::Vector3d p_base_lidar_ = Eigen::Vector3d::Zero();
 };
 

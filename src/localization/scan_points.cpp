@@ -39,7 +39,7 @@ registration::NdtPoints arrays_of(const Positions& points, const Eigen::Vector3f
 }  // namespace
 
 /// A cube that finds no free slot counts as known: a full table only drops points.
-bool ScanSampler::is_new_cube(const Eigen::Vector3f& p) {
+bool ScanPointSampler::is_new_cube(const Eigen::Vector3f& p) {
   const VoxelKey key = voxel_key(voxel_index(p / kCube));
   std::size_t slot = VoxelKeyHash()(key) % kSlots;
   constexpr int kProbes = 8;  // chosen: at half load nearly every key finds its slot
@@ -52,7 +52,7 @@ bool ScanSampler::is_new_cube(const Eigen::Vector3f& p) {
   return false;
 }
 
-ScanPoints ScanSampler::sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar) {
+ScanPoints ScanPointSampler::sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar) {
   cubes_.assign(kSlots, 0);
   const Eigen::Vector3f viewpoint = p_base_lidar.cast<float>();
   Positions all, near, structure;

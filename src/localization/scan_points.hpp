@@ -19,7 +19,7 @@ struct ScanPoints {
 };
 
 /// Takes the points of scans that are matched. Keeps scratch memory only.
-class ScanSampler {
+class ScanPointSampler {
  public:
   /// Samples a cloud in base_link that was measured from `p_base_lidar` (m).
   ScanPoints sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar);

@@ -28,7 +28,7 @@ class LoopCloser::Impl {
         alignment_(config),
         submaps_(config, clouds),
         generator_(config, directory),
-        connector_(config.unanchored_stretch) {}
+        connector_(config.unanchored_path_length) {}
 
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
     submaps_.set_sensor_origin(p_base_lidar);
@@ -158,8 +158,8 @@ void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosi
     result.verdicts.back().verdict = Verdict::kUndecided;
     result.verdicts.back().reason = formatted(
         "nothing joins the two segments yet, and matches that agree span less than %g m "
-        "(unanchored_stretch)",
-        config_.unanchored_stretch);
+        "(unanchored_path_length)",
+        config_.unanchored_path_length);
   }
   for (const Loop& member : group) {
     result.loops.push_back(member);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
-#include "lidar_mapping/loop_closing/method_notice.hpp"
+#include "lidar_mapping/loop_closing/method_substitution.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -88,22 +88,23 @@ void describe_verification(config::Schema<Config>& schema) {
             "Largest mean squared distance of paired points; 0 leaves this figure out.")
       .real("fitness_score_max_range", &Config::fitness_score_max_range, {0.1, 1e6}, "m",
             "Points without a partner within this range do not count in the fitness.")
-      .real("unanchored_stretch", &Config::unanchored_stretch, {0.0, 1e5}, "m",
+      .real("unanchored_path_length", &Config::unanchored_path_length, {0.0, 1e5}, "m",
             "Two unconnected segments are connected once loops agree over such a path length.")
       .real("min_stddev_x", &Config::min_stddev_x, {1e-3, 10.0}, "m",
             "Lower limit of a loop's standard deviation in translation.")
       .real("min_stddev_q", &Config::min_stddev_q, {1e-4, 1.0}, "rad",
             "Lower limit of a loop's standard deviation in rotation.")
-      .alias("fitness_score_thresh", "fitness_score_limit");
+      .alias("fitness_score_thresh", "fitness_score_limit")
+      .alias("unanchored_stretch", "unanchored_path_length");
 }
 
 }  // namespace
 
-std::string method_notice(const LoopMethod& method) {
+std::string describe_substitution(const LoopMethod& method) {
   if (method.point_to_plane) return "";
   registration::RegistrationConfig config;
   config.method = method.other;
-  return registration::method_notice(config);
+  return registration::describe_substitution(config);
 }
 
 const config::Schema<LoopClosingConfig>& LoopClosingConfig::schema() {

@@ -163,7 +163,7 @@ LoopVerdict to_verdict(const VerifiedCandidate& verified, const Trajectory& traj
 LoopVerdict confirmed_verdict(const Loop& loop, const Loop& by) {
   return verdict_on(loop, Verdict::kAccepted,
                     "the match of key frames " + std::to_string(by.from) + " and " +
-                        std::to_string(by.to) + " confirms it (unanchored_stretch)");
+                        std::to_string(by.to) + " confirms it (unanchored_path_length)");
 }
 
 }  // namespace lidar_mapping::loop_closing

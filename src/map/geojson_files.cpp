@@ -17,13 +17,13 @@ double length_of(const Line& line) {
   return length;
 }
 
-Json way_features(const DriveMarks& marks, const GeoJson& geojson) {
-  std::map<std::uint32_t, std::vector<const WayPoint*>> drives;
-  for (const WayPoint& point : marks.way) drives[point.segment].push_back(&point);
+Json path_features(const DriveMarks& marks, const GeoJson& geojson) {
+  std::map<std::uint32_t, std::vector<const PathPoint*>> drives;
+  for (const PathPoint& point : marks.path) drives[point.segment].push_back(&point);
   Json features = Json::array();
   for (const auto& [drive, points] : drives) {
     Line line;
-    for (const WayPoint* point : points) line.push_back(point->p_map);
+    for (const PathPoint* point : points) line.push_back(point->p_map);
     features.push_back(
         feature(geojson.line(line), {{"drive", drive},
                                      {"key_frames", points.size()},
@@ -36,7 +36,7 @@ Json way_features(const DriveMarks& marks, const GeoJson& geojson) {
 
 Json loop_features(const DriveMarks& marks, const GeoJson& geojson) {
   std::map<KeyFrameIndex, Eigen::Vector3d> positions;
-  for (const WayPoint& point : marks.way) positions[point.index] = point.p_map;
+  for (const PathPoint& point : marks.path) positions[point.index] = point.p_map;
   Json features = Json::array();
   for (const LoopMark& loop : marks.loops) {
     features.push_back(feature(geojson.line({positions.at(loop.from), positions.at(loop.to)}),
@@ -52,7 +52,7 @@ Json loop_features(const DriveMarks& marks, const GeoJson& geojson) {
 Json doubt_features(const DriveMarks& marks, const GeoJson& geojson) {
   Json features = Json::array();
   for (const DoubtMark& doubt : marks.doubts) {
-    features.push_back(feature(geojson.line(doubt.way_map),
+    features.push_back(feature(geojson.line(doubt.path_map),
                                {{"kind", doubt.kind},
                                 {"begin_s", rounded_number(to_seconds(doubt.begin))},
                                 {"end_s", rounded_number(to_seconds(doubt.end))},
@@ -68,7 +68,7 @@ Json doubt_features(const DriveMarks& marks, const GeoJson& geojson) {
 Files write_geojson(const DriveMarks& marks, const std::optional<GeodeticDatum>& datum,
                     const std::filesystem::path& directory) {
   const GeoJson geojson(datum);
-  return {geojson.write("trajectory", way_features(marks, geojson), directory),
+  return {geojson.write("trajectory", path_features(marks, geojson), directory),
           geojson.write("loops", loop_features(marks, geojson), directory),
           geojson.write("doubt", doubt_features(marks, geojson), directory)};
 }

@@ -45,7 +45,8 @@ class Bytes {
   std::string data_;
 };
 
-struct Extent {
+/// What the header of a file says of its points.
+struct LasExtent {
   std::uint64_t points = 0;
   Eigen::AlignedBox3d box;
 };
@@ -62,7 +63,7 @@ std::string georeference(std::uint16_t epsg) {
   return bytes.data();
 }
 
-std::string header(const Extent& extent, const MillimetreFrame& frame) {
+std::string header(const LasExtent& extent, const MillimetreFrame& frame) {
   const std::string reference = georeference(frame.epsg());
   const auto points = static_cast<std::uint32_t>(extent.points);
   Bytes bytes;
@@ -98,13 +99,13 @@ class Writer {
     extent_.points += tile.cloud.size();
     file_ << bytes.data();
   }
-  const Extent& extent() const { return extent_; }
+  const LasExtent& extent() const { return extent_; }
 
  private:
   std::ofstream& file_;
   MillimetreFrame& frame_;
   float intensity_scale_;
-  Extent extent_;
+  LasExtent extent_;
 };
 
 }  // namespace

@@ -28,14 +28,14 @@ namespace fs = std::filesystem;
 // Points. Compression needs 33 bytes for each, so 66 MB. Chosen: memory against size of the file.
 constexpr std::uint64_t kMaxCompressedPoints = 2'000'000;
 
-struct Extent {
+struct PointExtent {
   std::uint64_t points = 0;
   Eigen::AlignedBox3f bounds;
 };
 
 /// Throws InputError like check_range().
-Extent extent_of(const CloudParts& map) {
-  Extent extent;
+PointExtent extent_of(const CloudParts& map) {
+  PointExtent extent;
   map.for_each([&](const PointCloud& part) {
     check_range(part);
     extent.points += part.size();
@@ -44,7 +44,7 @@ Extent extent_of(const CloudParts& map) {
   return extent;
 }
 
-std::string to_yaml(const Extent& extent, const MapDescription& description) {
+std::string to_yaml(const PointExtent& extent, const MapDescription& description) {
   const auto bound = [](const char* name, const Eigen::Vector3f& p) {
     return formatted("%s: [%.4f, %.4f, %.4f]\n", name, static_cast<double>(p.x()),
                      static_cast<double>(p.y()), static_cast<double>(p.z()));
@@ -158,7 +158,7 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
     }
     check_own_file(file_of(format), description_file);
   }
-  const Extent extent = extent_of(map);
+  const PointExtent extent = extent_of(map);
   if (extent.points == 0) throw InputError("the map has no points yet; drive first");
   Files files{description_file};
   write_text_atomically(files.back(), to_yaml(extent, description));

@@ -32,14 +32,14 @@ class CellSelection {
         nearest_(static_cast<std::size_t>(kSpan * kSpan * kSpan)) {}
 
   void offer(std::size_t number, const StoredPoint& point) {
-    const Place place = place_of(point);
-    Nearest& nearest = nearest_[place.cell];
-    if (place.distance < nearest.distance) {
-      nearest = {place.distance, static_cast<std::uint32_t>(number)};
+    const CellPosition position = position_in_cell(point);
+    Nearest& nearest = nearest_[position.cell];
+    if (position.distance < nearest.distance) {
+      nearest = {position.distance, static_cast<std::uint32_t>(number)};
     }
   }
   bool is_selected(std::size_t number, const StoredPoint& point) const {
-    return nearest_[place_of(point).cell].number == number;
+    return nearest_[position_in_cell(point).cell].number == number;
   }
   /// The octant of the node in which a point lies.
   unsigned octant_of(const StoredPoint& point) const {
@@ -51,7 +51,7 @@ class CellSelection {
   }
 
  private:
-  struct Place {
+  struct CellPosition {
     std::size_t cell = 0;
     float distance = 0.0F;  ///< From the centre of the cell, squared; the unit is that of the node.
   };
@@ -60,18 +60,19 @@ class CellSelection {
     std::uint32_t number = 0;
   };
 
-  Place place_of(const StoredPoint& point) const {
-    Place place;
+  CellPosition position_in_cell(const StoredPoint& point) const {
+    CellPosition position;
     double distance = 0.0;
     for (std::size_t i = 3; i-- > 0;) {
       const std::int64_t scaled = (point.position[i] - corner_[i]) * kSpan;
       const std::int64_t cell = scaled / edge_;
       const double offset = static_cast<double>(2 * (scaled - cell * edge_) - edge_);
       distance += offset * offset;
-      place.cell = place.cell * static_cast<std::size_t>(kSpan) + static_cast<std::size_t>(cell);
+      position.cell =
+          position.cell * static_cast<std::size_t>(kSpan) + static_cast<std::size_t>(cell);
     }
-    place.distance = static_cast<float>(distance);
-    return place;
+    position.distance = static_cast<float>(distance);
+    return position;
   }
 
   std::array<std::int64_t, 3> corner_;

@@ -91,13 +91,13 @@ struct Range {
   double size() const { return high - low; }
 };
 
-struct Extent {
+struct ViewExtent {
   std::size_t points = 0;
   Range x, y;
 };
 
 /// Height of the ground in every cell.
-Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> ground) {
+Grid<float> ground_of(const CloudParts& map, const ViewExtent& extent, Grid<float> ground) {
   // By cell, because most cells of a wide map have no points.
   std::vector<std::pair<std::size_t, float>> heights;
   heights.reserve(std::min(extent.points, kMaxSamples));
@@ -127,8 +127,8 @@ Range range_of(std::vector<float> coordinates) {
   return {std::max(all.low, most.low - border), std::min(all.high, most.high + border)};
 }
 
-Extent extent_of(const CloudParts& map) {
-  Extent extent;
+ViewExtent extent_of(const CloudParts& map) {
+  ViewExtent extent;
   map.for_each([&](const PointCloud& part) { extent.points += part.size(); });
   if (extent.points == 0) throw InputError("the map has no points; there is nothing to draw");
   std::vector<float> x, y;
@@ -191,7 +191,7 @@ std::string world_file(const TopView& view) {
 }  // namespace
 
 TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
-  const Extent extent = extent_of(map);
+  const ViewExtent extent = extent_of(map);
   const double pixel =
       std::max(pixel_m, std::max(extent.x.size(), extent.y.size()) / (max_pixels - 1));
   const auto grid = [&](double cell, auto value) {

@@ -30,9 +30,9 @@ constexpr std::uintmax_t kOverviewBytes = 7'200'000;
 double rounded(double metres) { return std::round(metres / kMillimetre) * kMillimetre; }
 
 /// Positions in the coordinates of the tiles.
-class Places {
+class TileCoordinates {
  public:
-  explicit Places(const std::optional<GeodeticDatum>& datum) : frame_(datum) {}
+  explicit TileCoordinates(const std::optional<GeodeticDatum>& datum) : frame_(datum) {}
 
   Json of(const Eigen::Vector3d& p_map) const {
     const Eigen::Vector3d p = frame_.projected(p_map);
@@ -44,41 +44,41 @@ class Places {
   const MillimetreFrame frame_;
 };
 
-Json drives_of(const DriveMarks& marks, const Places& places) {
+Json drives_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
   std::map<std::uint32_t, Json> drives;
-  for (const WayPoint& point : marks.way) {
+  for (const PathPoint& point : marks.path) {
     Json& drive = drives[point.segment];
     drive["number"] = point.segment;
-    drive["way"].push_back(places.of(point.p_map));
+    drive["path"].push_back(coordinates.of(point.p_map));
   }
   Json list = Json::array();
   for (const auto& [number, drive] : drives) list.push_back(drive);
   return list;
 }
 
-Json loops_of(const DriveMarks& marks, const Places& places) {
+Json loops_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
   std::map<KeyFrameIndex, Eigen::Vector3d> positions;
-  for (const WayPoint& point : marks.way) positions[point.index] = point.p_map;
+  for (const PathPoint& point : marks.path) positions[point.index] = point.p_map;
   Json list = Json::array();
   for (const LoopMark& loop : marks.loops) {
-    list.push_back({{"from", places.of(positions.at(loop.from))},
-                    {"to", places.of(positions.at(loop.to))},
+    list.push_back({{"from", coordinates.of(positions.at(loop.from))},
+                    {"to", coordinates.of(positions.at(loop.to))},
                     {"verdict", to_string(loop.verdict)}});
   }
   return list;
 }
 
-Json doubts_of(const DriveMarks& marks, const Places& places) {
+Json doubts_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
   Json list = Json::array();
   for (const DoubtMark& doubt : marks.doubts) {
-    Json way = Json::array();
-    for (const Eigen::Vector3d& p_map : doubt.way_map) way.push_back(places.of(p_map));
+    Json path = Json::array();
+    for (const Eigen::Vector3d& p_map : doubt.path_map) path.push_back(coordinates.of(p_map));
     const bool is_known = std::isfinite(doubt.expected_error);
     list.push_back({{"kind", doubt.kind},
                     {"length", rounded(doubt.length)},
                     {"error", is_known ? Json(rounded(doubt.expected_error)) : Json(nullptr)},
                     {"trusted", doubt.is_trusted},
-                    {"way", way}});
+                    {"path", path}});
   }
   return list;
 }
@@ -92,12 +92,12 @@ Eigen::Vector3d corner_of(const moving_objects::Change& change, unsigned number)
   return corner;
 }
 
-Json changes_of(const WebPage& page, const Places& places) {
+Json changes_of(const WebPage& page, const TileCoordinates& coordinates) {
   Json list = Json::array();
   for (const moving_objects::Change& change : page.changes) {
     Json corners = Json::array();
     for (unsigned number = 0; number < 8; ++number) {
-      corners.push_back(places.of(corner_of(change, number)));
+      corners.push_back(coordinates.of(corner_of(change, number)));
     }
     const auto [after, before] = interval_of(change, page.visits);
     const Eigen::Vector3d size = change.high - change.low;
@@ -118,14 +118,14 @@ std::string script(const char* name, const Json& value) {
 }
 
 std::string marks_script(const WebPage& page) {
-  const Places places(page.datum);
+  const TileCoordinates coordinates(page.datum);
   Json marks = {{"title", page.title},
-                {"epsg", places.epsg()},
+                {"epsg", coordinates.epsg()},
                 {"resolution", page.resolution},
-                {"drives", drives_of(page.marks, places)},
-                {"loops", loops_of(page.marks, places)},
-                {"doubts", doubts_of(page.marks, places)},
-                {"changes", changes_of(page, places)}};
+                {"drives", drives_of(page.marks, coordinates)},
+                {"loops", loops_of(page.marks, coordinates)},
+                {"doubts", doubts_of(page.marks, coordinates)},
+                {"changes", changes_of(page, coordinates)}};
   return script("marks", marks);
 }
 

@@ -44,8 +44,8 @@ std::vector<std::string> known_formats(const std::vector<std::string>& formats) 
 std::function<PointOrigin(KeyFrameIndex)> origins_of(const KeyFramePoses& poses,
                                                      const DriveMarks& marks) {
   std::map<Stamp, std::uint32_t> drives;
-  std::unordered_map<KeyFrameIndex, const WayPoint*> key_frames;
-  for (const WayPoint& point : marks.way) {
+  std::unordered_map<KeyFrameIndex, const PathPoint*> key_frames;
+  for (const PathPoint& point : marks.path) {
     drives[point.stamp] = point.segment;
     key_frames[point.index] = &point;
   }
@@ -227,7 +227,7 @@ class ProductWriter {
   DriveMarks marks_of_poses() const {
     DriveMarks marks;
     for (const KeyFramePose& pose : poses_.poses) {
-      marks.way.push_back({pose.index, 0, pose.stamp, pose.T_map_base.translation});
+      marks.path.push_back({pose.index, 0, pose.stamp, pose.T_map_base.translation});
     }
     return marks;
   }

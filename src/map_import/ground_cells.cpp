@@ -62,7 +62,7 @@ std::vector<float> ground_heights(std::vector<float> heights) {
 
 std::vector<GroundCell> ground_cells(PointTiles& tiles) {
   std::vector<GroundCell> cells;
-  for (const TileIndex& index : tiles.indices()) {
+  for (const PointTileIndex& index : tiles.indices()) {
     const PointTilePtr tile = tiles.tile(index);
     const Columns columns = columns_of(tile->cloud);
     for (int i = 0; i < kCellsPerEdge * kCellsPerEdge; ++i) {

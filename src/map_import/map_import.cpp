@@ -39,10 +39,10 @@ Eigen::Vector3d origin_of(const Eigen::AlignedBox3d& bounds) {
 
 class Import {
  public:
-  Import(const ImportOptions& options, session::Session& session, const ImportLine& say,
+  Import(const ImportOptions& options, session::Session& session, const ImportLine& report,
          const ImportProgress& progress)
       : options_(options),
-        say_(say),
+        report_(report),
         progress_(progress),
         tiles_(session.directory(), options.resolution),
         writer_(session) {}
@@ -58,7 +58,7 @@ class Import {
     add_key_frames(places);
     if (writer_.key_frames() == 0) refuse_places();
     writer_.finish();
-    say_(formatted(
+    report_(formatted(
         "key frames: %zu, %.0f points each", writer_.key_frames(),
         static_cast<double>(writer_.points()) / static_cast<double>(writer_.key_frames())));
   }
@@ -73,9 +73,9 @@ class Import {
       throw InputError("the map " + options_.map.string() + " has no points");
     }
     tiles_.finish();
-    say_(formatted("map: %llu points in %zu files, %llu after thinning to %g m",
-                   static_cast<unsigned long long>(tiles_.points()), files.size(),
-                   static_cast<unsigned long long>(tiles_.thinned()), options_.resolution));
+    report_(formatted("map: %llu points in %zu files, %llu after thinning to %g m",
+                      static_cast<unsigned long long>(tiles_.points()), files.size(),
+                      static_cast<unsigned long long>(tiles_.thinned()), options_.resolution));
   }
 
   std::vector<Place> places_on_the_ground() {
@@ -85,8 +85,8 @@ class Import {
                        " (level, 40 m^2 and more, with 2 m free above it); give the poses of the "
                        "drive that made the map with --trajectory");
     }
-    say_(formatted("ground: %.0f m^2", static_cast<double>(ground.size()) *  //
-                                           kGroundCell * kGroundCell));
+    report_(formatted("ground: %.0f m^2", static_cast<double>(ground.size()) *  //
+                                              kGroundCell * kGroundCell));
     return places_on_ground(ground, options_.spacing, options_.base_height);
   }
 
@@ -117,12 +117,12 @@ class Import {
                        "out");
     }
     if (datum) {
-      say_(formatted("datum: %.9f %.9f deg, %.3f m", datum->latitude_deg, datum->longitude_deg,
-                     datum->altitude_m));
+      report_(formatted("datum: %.9f %.9f deg, %.3f m", datum->latitude_deg, datum->longitude_deg,
+                        datum->altitude_m));
     }
     if (!origin.isZero()) {
-      say_(formatted("the session's coordinates are those of the map minus %.0f %.0f %.0f",
-                     origin.x(), origin.y(), origin.z()));
+      report_(formatted("the session's coordinates are those of the map minus %.0f %.0f %.0f",
+                        origin.x(), origin.y(), origin.z()));
     }
     writer_.describe({options_, origin, p_base_lidar(), datum});
   }
@@ -133,7 +133,7 @@ class Import {
 
   std::vector<PointTilePtr> tiles_around(const Place& place) {
     std::vector<PointTilePtr> tiles;
-    for (const TileIndex& index :
+    for (const PointTileIndex& index :
          tiles_.indices_around(place.T_map_base * p_base_lidar(), kSight)) {
       tiles.push_back(tiles_.tile(index));
     }
@@ -158,7 +158,7 @@ class Import {
   }
 
   const ImportOptions& options_;
-  const ImportLine& say_;
+  const ImportLine& report_;
   const ImportProgress& progress_;
   PointTiles tiles_;
   SessionWriter writer_;
@@ -166,9 +166,9 @@ class Import {
 
 }  // namespace
 
-void import_map(const ImportOptions& options, session::Session& session, const ImportLine& say,
+void import_map(const ImportOptions& options, session::Session& session, const ImportLine& report,
                 const ImportProgress& progress) {
-  Import(options, session, say, progress).run();
+  Import(options, session, report, progress).run();
 }
 
 }  // namespace lidar_mapping::map_import

@@ -31,7 +31,7 @@ using ImportProgress = std::function<void(std::size_t done, std::size_t all)>;
 /// Fills an empty session with a map that somebody else made (doc/localization.md): key frames at
 /// places where a vehicle can be, each with what its LiDAR would see of the map. Throws FileError,
 /// ConfigError, and InputError if no place is found or none sees the map.
-void import_map(const ImportOptions& options, session::Session& session, const ImportLine& say,
+void import_map(const ImportOptions& options, session::Session& session, const ImportLine& report,
                 const ImportProgress& progress);
 
 }  // namespace lidar_mapping::map_import

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kBuffer = 1024;  // points, 16 kB for each square; chosen: few large writes
 
-TileIndex index_of(const Eigen::Vector3d& p_map) {
+PointTileIndex index_of(const Eigen::Vector3d& p_map) {
   return {floor_to_int(p_map.x() / PointTiles::kEdge), floor_to_int(p_map.y() / PointTiles::kEdge)};
 }
 
@@ -27,7 +27,7 @@ PointTiles::PointTiles(std::filesystem::path directory, double resolution, std::
       file_(directory_) {}
 
 /// Floats near the ground are exact: heights count from the first point.
-Eigen::Vector3d PointTiles::origin_of(const TileIndex& index) const {
+Eigen::Vector3d PointTiles::origin_of(const PointTileIndex& index) const {
   return {static_cast<double>(index.column * kEdge), static_cast<double>(index.row * kEdge),
           height_};
 }
@@ -36,7 +36,7 @@ void PointTiles::add(const std::vector<MapPoint>& points) {
   for (const MapPoint& point : points) {
     if (points_++ == 0) height_ = std::round(point.p_map.z());
     bounds_.extend(point.p_map);
-    const TileIndex index = index_of(point.p_map);
+    const PointTileIndex index = index_of(point.p_map);
     PendingTile& tile = pending_[index];
     const Eigen::Vector3f p = (point.p_map - origin_of(index)).cast<float>();
     tile.buffer.push_back({p.x(), p.y(), p.z(), point.intensity});
@@ -80,17 +80,17 @@ void PointTiles::finish() {
   pending_file_.reset();
 }
 
-std::vector<TileIndex> PointTiles::indices() const {
-  std::vector<TileIndex> indices;
+std::vector<PointTileIndex> PointTiles::indices() const {
+  std::vector<PointTileIndex> indices;
   for (const auto& [index, part] : stored_) indices.push_back(index);
   return indices;
 }
 
-std::vector<TileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_map,
-                                                  double radius) const {
-  const TileIndex low = index_of(p_map - Eigen::Vector3d::Constant(radius));
-  const TileIndex high = index_of(p_map + Eigen::Vector3d::Constant(radius));
-  std::vector<TileIndex> indices;
+std::vector<PointTileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_map,
+                                                       double radius) const {
+  const PointTileIndex low = index_of(p_map - Eigen::Vector3d::Constant(radius));
+  const PointTileIndex high = index_of(p_map + Eigen::Vector3d::Constant(radius));
+  std::vector<PointTileIndex> indices;
   for (std::int64_t column = low.column; column <= high.column; ++column) {
     for (auto tile = stored_.lower_bound({column, low.row});
          tile != stored_.end() && tile->first.column == column && tile->first.row <= high.row;
@@ -101,7 +101,7 @@ std::vector<TileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_map,
   return indices;
 }
 
-PointTilePtr PointTiles::tile(const TileIndex& index) {
+PointTilePtr PointTiles::tile(const PointTileIndex& index) {
   CachedTile& cached = cache_[index];
   cached.last_use = ++uses_;
   if (cached.tile) return cached.tile;
@@ -116,7 +116,7 @@ PointTilePtr PointTiles::tile(const TileIndex& index) {
   return tile;
 }
 
-void PointTiles::evict(const TileIndex& kept) {
+void PointTiles::evict(const PointTileIndex& kept) {
   while (cached_points_ > most_cached_ && cache_.size() > 1) {
     const auto oldest = std::min_element(
         cache_.begin(), cache_.end(),

@@ -18,11 +18,11 @@
 namespace lidar_mapping::map_import {
 
 /// Number of a square of the map along x and y.
-struct TileIndex {
+struct PointTileIndex {
   std::int64_t column = 0;
   std::int64_t row = 0;
 
-  bool operator<(const TileIndex& other) const {
+  bool operator<(const PointTileIndex& other) const {
     return std::tie(column, row) < std::tie(other.column, other.row);
   }
 };
@@ -57,11 +57,11 @@ class PointTiles {
   void finish();
 
   /// All squares with points, in the order of their indices.
-  std::vector<TileIndex> indices() const;
+  std::vector<PointTileIndex> indices() const;
   /// Those of them that reach into a square around a position: `radius` (m) to each side.
-  std::vector<TileIndex> indices_around(const Eigen::Vector3d& p_map, double radius) const;
+  std::vector<PointTileIndex> indices_around(const Eigen::Vector3d& p_map, double radius) const;
   /// A square of indices().
-  PointTilePtr tile(const TileIndex& index);
+  PointTilePtr tile(const PointTileIndex& index);
 
   std::uint64_t points() const { return points_; }    ///< number of points added
   std::uint64_t thinned() const { return thinned_; }  ///< number of points that are left
@@ -81,10 +81,10 @@ class PointTiles {
     PointTilePtr tile;
     std::uint64_t last_use = 0;
   };
-  Eigen::Vector3d origin_of(const TileIndex& index) const;
+  Eigen::Vector3d origin_of(const PointTileIndex& index) const;
   void store(PendingTile& tile);
   PointCloud collected(const PendingTile& tile) const;
-  void evict(const TileIndex& kept);
+  void evict(const PointTileIndex& kept);
 
   std::filesystem::path directory_;
   double resolution_;
@@ -93,12 +93,12 @@ class PointTiles {
   Eigen::AlignedBox3d bounds_;
   std::uint64_t points_ = 0;
   std::uint64_t thinned_ = 0;
-  std::map<TileIndex, PendingTile> pending_;
+  std::map<PointTileIndex, PendingTile> pending_;
   std::unique_ptr<NamelessFile> pending_file_;
   std::uint64_t pending_bytes_ = 0;
-  std::map<TileIndex, Part> stored_;
+  std::map<PointTileIndex, Part> stored_;
   NamelessFile file_;
-  std::map<TileIndex, CachedTile> cache_;
+  std::map<PointTileIndex, CachedTile> cache_;
   std::size_t cached_points_ = 0;
   std::uint64_t uses_ = 0;
 };

@@ -31,8 +31,8 @@ class PointHistory {
   std::optional<PointChange> appeared(std::uint32_t point) const;
 
  private:
-  enum class Seen : char { kNothing, kOccupied, kAbsent };
-  using Observations = std::vector<Seen>;  // of all points by one visit
+  enum class Observation : char { kNothing, kOccupied, kAbsent };
+  using Observations = std::vector<Observation>;  // of all points by one visit
 
   std::uint32_t own_;
   std::size_t points_;

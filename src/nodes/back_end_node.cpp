@@ -158,12 +158,12 @@ void BackEndNode::subscribe_all() {
       },
       Numbered::kYes);
   const auto channel = context_.worker.add_channel("subscribers", kPublisherQueue);
-  const auto tell_all = [this] {
+  const auto publish_all = [this] {
     if (run_) publish_verdicts(run_->verdicts());
   };
   // A new subscriber is told of all loops at once.
-  verdicts_ =
-      advertise<LoopVerdictMessage>(context_, "graph_verdict", kUnlimitedQueue, channel, tell_all);
+  verdicts_ = advertise<LoopVerdictMessage>(context_, "graph_verdict", kUnlimitedQueue, channel,
+                                            publish_all);
 }
 
 /// Returns the first key frame that the session of this run lacks.

@@ -97,7 +97,7 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
       front_end_(config.stage),
       assembler_(config.stage.odometry == front_end::OdometrySource::kExternal),
       key_frame_(context.node, "key_frame", kRepeatedKeyFrames) {
-  const std::string notice = registration::method_notice(config.stage.registration);
+  const std::string notice = registration::describe_substitution(config.stage.registration);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
   status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);
@@ -318,9 +318,9 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
     context_.diagnostics.set("times of the points",
                              front_end::to_string(result.status.sweep_times.source));
   }
-  if (result.status.unseen_way > 0.0) {
+  if (result.status.vertical_ride_distance > 0.0) {
     context_.diagnostics.set("vertical distance not observed by the points, m",
-                             result.status.unseen_way);
+                             result.status.vertical_ride_distance);
   }
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {

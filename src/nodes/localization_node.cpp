@@ -152,13 +152,13 @@ void LocalizationNode::process_ready() {
 }
 
 void LocalizationNode::process(PairedScan&& paired) {
-  if (!place_) {
+  if (!active_map_) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, loading_);
     return;
   }
   if (initial_pose_) {
     withdraw_place();
-    place_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+    active_map_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
   }
   const ThreadTime time;
   localization::LocalizerInput input;
@@ -168,7 +168,7 @@ void LocalizationNode::process(PairedScan&& paired) {
   input.is_connected = paired.is_connected;
   input.p_base_lidar = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame)
                            .value_or(Eigen::Vector3d::Zero());
-  const LocalizationResult result = place_->localizer.process(input);
+  const LocalizationResult result = active_map_->localizer.process(input);
   const double seconds = time.seconds();
   last_scan_ = ros::WallTime::now();
   if (localization::has_pose(result.state)) {
@@ -214,8 +214,8 @@ void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose
 /// In the map, so that rviz shows it there without waiting for tf.
 void LocalizationNode::publish_scan(const LocalizationResult& result) {
   if (scan_.getNumSubscribers() == 0) return;
-  scan_.publish(matched_cloud(place_->localizer.matched_points(), result.T_map_base, result.stamp,
-                              config_.node.map_frame));
+  scan_.publish(matched_cloud(active_map_->localizer.matched_points(), result.T_map_base,
+                              result.stamp, config_.node.map_frame));
 }
 
 void LocalizationNode::extend_path(const LocalizationResult& result) {

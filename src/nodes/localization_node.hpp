@@ -43,8 +43,8 @@ class LocalizationNode {
 
  private:
   /// A map, the localisation in it, and the drive there.
-  struct Place {
-    Place(const std::string& folder, const loop_closing::LoopClosingConfig& verification)
+  struct ActiveMap {
+    ActiveMap(const std::string& folder, const loop_closing::LoopClosingConfig& verification)
         : map(folder, verification, 1), localizer(map.index()) {}
     pipeline::SessionMap map;
     localization::Localizer localizer;
@@ -76,11 +76,11 @@ class LocalizationNode {
 
   void load_first(const std::string& folder);
   std::string load(const std::string& folder);
-  void use(std::shared_ptr<Place> place, const PointCloud& cloud);
+  void use(std::shared_ptr<ActiveMap> active_map, const PointCloud& cloud);
   bool relocalize(Relocalize::Request& request, Relocalize::Response& response);
   bool load_map(LoadMap::Request& request, LoadMap::Response& response);
 
-  void begin_recording(Place& place);
+  void begin_recording(ActiveMap& active_map);
   DriveRecorder* present_recorder();
   void record(const RunKeyFrame& received);
   void record(const localization::LocalizationResult& place);
@@ -98,10 +98,10 @@ class LocalizationNode {
   KeyFrameFeed key_frames_;
   SensorFrames sensor_frames_;
   TransformPublisher transforms_;
-  std::shared_ptr<Place> place_;        ///< none until a map is read
-  std::optional<Pose> initial_pose_;    ///< that the first map is told
-  std::string loading_ = "no map yet";  ///< why there is no place
-  std::optional<Stamp> last_odometry_;  ///< newest one
+  std::shared_ptr<ActiveMap> active_map_;  ///< none until a map is read
+  std::optional<Pose> initial_pose_;       ///< that the first map is told
+  std::string loading_ = "no map yet";     ///< why no map is active
+  std::optional<Stamp> last_odometry_;     ///< newest one
   ros::WallTime last_scan_;     ///< when the newest one was processed; zero: none, or that was said
   geometry_msgs::Twist twist_;  ///< of the newest odometry
   std::string state_;           ///< that was logged last

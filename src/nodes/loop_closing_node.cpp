@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
-#include "lidar_mapping/loop_closing/method_notice.hpp"
+#include "lidar_mapping/loop_closing/method_substitution.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/line_limiter.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
@@ -98,7 +98,7 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
                   [this](const RunKeyFrame& received) { add_key_frame(received); }) {
-  const std::string notice = loop_closing::method_notice(config.stage.registration_method);
+  const std::string notice = loop_closing::describe_substitution(config.stage.registration_method);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   subscribers_ = {
       subscribe<KeyFramePosesMessage>(context, "key_frame_poses", config.node.queue_size,

@@ -460,7 +460,7 @@ void PreprocessingNode::report() {
   diagnostics.set("scans without transform", counters.scans_without_extrinsic);
   diagnostics.set("scans without points", counters.scans_without_points);
   diagnostics.set("scans out of order", counters.scans_out_of_order);
-  diagnostics.set("scans forgotten when time went back", counters.scans_forgotten);
+  diagnostics.set("scans discarded when time went back", counters.scans_discarded);
   diagnostics.set("scans completed early", counters.scans_waiting_too_long);
   diagnostics.set("points not finite", counters.points_not_finite);
   diagnostics.set("packets damaged", damaged_packets_ + ouster_.losses().damaged);

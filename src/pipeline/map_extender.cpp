@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 using back_end::BackEndConfig;
 using session::Session;
 
-/// The key frames of each stretch; a stretch is a segment of its own, because no odometry leads to
+/// The key frames of each section; a section is a segment of its own, because no odometry leads to
 /// it from the one before.
 std::vector<KeyFrame> key_frames_of(const MapExtension& extension,
                                     const std::vector<LocalizedKeyFrame>& drive) {
   std::vector<KeyFrame> key_frames;
   std::uint32_t segment = 0;
-  for (const NewStretch& stretch : extension.stretches) {
-    for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
+  for (const NewSection& section : extension.sections) {
+    for (std::size_t i = section.begin; i < section.end; ++i) {
       key_frames.push_back(drive[i].key_frame);
       key_frames.back().segment = segment;
     }
@@ -39,8 +39,8 @@ std::vector<KeyFrame> key_frames_of(const MapExtension& extension,
 
 std::vector<Loop> ties_of(const MapExtension& extension) {
   std::vector<Loop> ties;
-  for (const NewStretch& stretch : extension.stretches) {
-    ties.insert(ties.end(), stretch.ties.begin(), stretch.ties.end());
+  for (const NewSection& section : extension.sections) {
+    ties.insert(ties.end(), section.ties.begin(), section.ties.end());
   }
   return ties;
 }
@@ -79,20 +79,20 @@ std::set<KeyFrameIndex> held_key_frames(const Session& map, const BackEndConfig&
   return held;
 }
 
-/// Leaves out the stretches of which the graph refuses most ties.
+/// Leaves out the sections of which the graph refuses most ties.
 void leave_out_contradicted(const std::set<KeyFrameIndex>& held, MapExtension& extension) {
-  std::vector<NewStretch> kept;
-  for (NewStretch& stretch : extension.stretches) {
+  std::vector<NewSection> kept;
+  for (NewSection& section : extension.sections) {
     const auto used = static_cast<std::size_t>(
-        std::count_if(stretch.ties.begin(), stretch.ties.end(),
+        std::count_if(section.ties.begin(), section.ties.end(),
                       [&](const Loop& tie) { return held.count(tie.to) > 0; }));
-    if (used >= kLeastTies && 2 * used >= stretch.ties.size()) {
-      kept.push_back(std::move(stretch));
+    if (used >= kLeastTies && 2 * used >= section.ties.size()) {
+      kept.push_back(std::move(section));
     } else {
-      extension.left_out.not_tied += stretch.new_way;
+      extension.omitted.not_tied += section.new_path_length;
     }
   }
-  extension.stretches = std::move(kept);
+  extension.sections = std::move(kept);
 }
 
 void merge(const Session& map, const Session& drive, const std::vector<Loop>& ties,
@@ -107,11 +107,11 @@ void merge(const Session& map, const Session& drive, const std::vector<Loop>& ti
                    "written; map the drive with map_bag and join the two with merge_sessions");
 }
 
-/// The stretches of a drive as a session, which goes with this object.
-class StretchSession {
+/// The sections of a drive as a session, which goes with this object.
+class SectionSession {
  public:
   /// The clouds are links to those in `clouds`.
-  StretchSession(const fs::path& folder, const MapExtension& extension, const LocalizedDrive& drive,
+  SectionSession(const fs::path& folder, const MapExtension& extension, const LocalizedDrive& drive,
                  const session::CloudStore& clouds)
       : folder_(folder) {
     fs::remove_all(folder_);
@@ -122,19 +122,19 @@ class StretchSession {
       if (!clouds.contains(key_frame.index)) continue;
       session_->clouds().link(key_frame.index, clouds.file(key_frame.index));
     }
-    for (const NewStretch& stretch : extension.stretches) {
-      add_scans(drive, drive.key_frames[stretch.begin].key_frame.stamp,
-                drive.key_frames[stretch.end - 1].key_frame.stamp);
+    for (const NewSection& section : extension.sections) {
+      add_scans(drive, drive.key_frames[section.begin].key_frame.stamp,
+                drive.key_frames[section.end - 1].key_frame.stamp);
     }
     batch.commit();
   }
-  ~StretchSession() {
+  ~SectionSession() {
     session_.reset();
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
   }
-  StretchSession(const StretchSession&) = delete;
-  StretchSession& operator=(const StretchSession&) = delete;
+  SectionSession(const SectionSession&) = delete;
+  SectionSession& operator=(const SectionSession&) = delete;
 
   const Session& session() const { return *session_; }
 
@@ -215,10 +215,10 @@ class MapExtender::Impl {
                              report.extension);
     }
     if (!report.is_written()) return report;
-    const StretchSession stretches(folder_ / "stretches", report.extension, drive, clouds_);
-    report.key_frames = stretches.session().key_frame_count();
+    const SectionSession sections(folder_ / "sections", report.extension, drive, clouds_);
+    report.key_frames = sections.session().key_frame_count();
     const Session extended = session::create_filled(session, [&](Session& out) {
-      merge(map, stretches.session(), ties_of(report.extension), config_, std::move(out));
+      merge(map, sections.session(), ties_of(report.extension), config_, std::move(out));
     });
     report.largest_move = back_end::change_between(before, extended.poses()).largest;
     return report;

@@ -20,19 +20,19 @@ constexpr double kShownAgreement = 0.5;
 /// m to the nearest key frame of the map, from which on the place itself is new. Chosen: above the
 /// distance of lanes and of key frames, below the range at which a scan knows its surroundings.
 constexpr double kNewDistance = 15.0;
-/// m of known way beside each new one. Chosen: behind 20 m the back end trusts the odometry of a
+/// m of known path beside each new one. Chosen: behind 20 m the back end trusts the odometry of a
 /// new segment fully.
 constexpr double kOverlap = 30.0;
 /// m between ties. Chosen: nearer ones have their errors in common.
 constexpr double kTieSpacing = 5.0;
 
-/// Chooses the new stretches of a drive.
+/// Chooses the new sections of a drive.
 class Planner {
  public:
   Planner(const std::vector<LocalizedKeyFrame>& drive, const KeyFramePoses& map)
-      : drive_(drive), map_(map), ways_(drive.size(), 0.0), is_new_(drive.size(), false) {
+      : drive_(drive), map_(map), step_lengths_(drive.size(), 0.0), is_new_(drive.size(), false) {
     for (std::size_t i = 1; i < drive.size(); ++i) {
-      if (is_connected(i)) ways_[i] = motion_to(i).translation.norm();
+      if (is_connected(i)) step_lengths_[i] = motion_to(i).translation.norm();
     }
   }
 
@@ -41,9 +41,9 @@ class Planner {
       const std::size_t end = end_of_segment(begin);
       if (is_found(begin, end)) {
         find_new(begin, end);
-        for (const NewStretch& run : long_runs(begin, end)) add_stretch(run, begin, end);
+        for (const NewSection& run : long_runs(begin, end)) add_section(run, begin, end);
       } else {
-        extension_.left_out.never_found += way_of(begin, end);
+        extension_.omitted.never_found += path_length_of(begin, end);
       }
       begin = end;
     }
@@ -64,10 +64,10 @@ class Planner {
     while (end < drive_.size() && is_connected(end)) ++end;
     return end;
   }
-  double way_of(std::size_t begin, std::size_t end) const {
-    double way = 0.0;
-    for (std::size_t i = begin; i < end; ++i) way += ways_[i];
-    return way;
+  double path_length_of(std::size_t begin, std::size_t end) const {
+    double path_length = 0.0;
+    for (std::size_t i = begin; i < end; ++i) path_length += step_lengths_[i];
+    return path_length;
   }
   bool is_followed(std::size_t i) const {
     return drive_[i].place.state == LocalizationState::kFollowing;
@@ -84,27 +84,27 @@ class Planner {
   // Of a segment in which a key frame is followed.
   void find_new(std::size_t begin, std::size_t end);
   std::vector<Pose> carried_poses(std::size_t begin, std::size_t end) const;
-  bool sees_new(std::size_t i, const Pose& T_map_base) const;
+  bool observes_new(std::size_t i, const Pose& T_map_base) const;
   const KeyFramePose& nearest(const Pose& T_map_base) const;
-  std::vector<NewStretch> long_runs(std::size_t begin, std::size_t end);
-  void leave_out_short(const NewStretch& run);
-  void add_stretch(NewStretch run, std::size_t begin, std::size_t end);
+  std::vector<NewSection> long_runs(std::size_t begin, std::size_t end);
+  void leave_out_short(const NewSection& run);
+  void add_section(NewSection run, std::size_t begin, std::size_t end);
   std::size_t overlap_before(std::size_t first, std::size_t begin) const;
   std::size_t overlap_behind(std::size_t last, std::size_t end) const;
   void keep_tied();
-  std::vector<Loop> ties_of(const NewStretch& stretch) const;
+  std::vector<Loop> ties_of(const NewSection& section) const;
   Loop tie_to(std::size_t i) const;
 
   const std::vector<LocalizedKeyFrame>& drive_;
   const KeyFramePoses& map_;
-  std::vector<double> ways_;  ///< Path length to each key frame in its segment, m.
+  std::vector<double> step_lengths_;  ///< Path length to each key frame in its segment, m.
   std::vector<bool> is_new_;
   MapExtension extension_;
 };
 
 void Planner::find_new(std::size_t begin, std::size_t end) {
   const std::vector<Pose> poses = carried_poses(begin, end);
-  for (std::size_t i = begin; i < end; ++i) is_new_[i] = sees_new(i, poses[i - begin]);
+  for (std::size_t i = begin; i < end; ++i) is_new_[i] = observes_new(i, poses[i - begin]);
 }
 
 /// T_map_base of the key frames of a segment: by the localisation where it is followed, else by
@@ -126,7 +126,7 @@ std::vector<Pose> Planner::carried_poses(std::size_t begin, std::size_t end) con
 
 /// While the place is searched for nothing is known of the surroundings, so that its distance from
 /// the map decides.
-bool Planner::sees_new(std::size_t i, const Pose& T_map_base) const {
+bool Planner::observes_new(std::size_t i, const Pose& T_map_base) const {
   const localization::LocalizationResult& place = drive_[i].place;
   if (place.state == LocalizationState::kBesideMap) return place.agreement < kShownAgreement;
   if (is_followed(i) && place.coverage >= kKnownCoverage) return false;
@@ -144,19 +144,19 @@ const KeyFramePose& Planner::nearest(const Pose& T_map_base) const {
       [&](const KeyFramePose& a, const KeyFramePose& b) { return distance(a) < distance(b); });
 }
 
-/// Runs of new key frames in a segment. Shorter ways between two of them do not part them.
-std::vector<NewStretch> Planner::long_runs(std::size_t begin, std::size_t end) {
-  std::vector<NewStretch> runs;
+/// Runs of new key frames in a segment. Shorter paths between two of them do not part them.
+std::vector<NewSection> Planner::long_runs(std::size_t begin, std::size_t end) {
+  std::vector<NewSection> runs;
   for (std::size_t i = begin; i < end; ++i) {
     if (!is_new_[i]) continue;
-    const bool goes_on = !runs.empty() && way_of(runs.back().end, i) < kLeastNewWay;
+    const bool goes_on = !runs.empty() && path_length_of(runs.back().end, i) < kLeastNewPathLength;
     if (!goes_on) runs.push_back({i, i, 0.0, {}});
     runs.back().end = i + 1;
-    runs.back().new_way += ways_[i];
+    runs.back().new_path_length += step_lengths_[i];
   }
-  std::vector<NewStretch> kept;
-  for (const NewStretch& run : runs) {
-    if (run.new_way < kLeastNewWay) {
+  std::vector<NewSection> kept;
+  for (const NewSection& run : runs) {
+    if (run.new_path_length < kLeastNewPathLength) {
       leave_out_short(run);
     } else {
       kept.push_back(run);
@@ -165,71 +165,70 @@ std::vector<NewStretch> Planner::long_runs(std::size_t begin, std::size_t end) {
   return kept;
 }
 
-void Planner::leave_out_short(const NewStretch& run) {
-  extension_.left_out.too_short += run.new_way;
+void Planner::leave_out_short(const NewSection& run) {
+  extension_.omitted.too_short += run.new_path_length;
   for (std::size_t i = run.begin; i < run.end; ++i) is_new_[i] = false;
 }
 
-/// Adds the known ways on both sides. Stretches of a segment that meet become one.
-void Planner::add_stretch(NewStretch run, std::size_t begin, std::size_t end) {
+/// Adds the known paths on both sides. Sections of a segment that meet become one.
+void Planner::add_section(NewSection run, std::size_t begin, std::size_t end) {
   run.begin = overlap_before(run.begin, begin);
   run.end = overlap_behind(run.end - 1, end) + 1;
-  auto& stretches = extension_.stretches;
-  const bool meets =
-      !stretches.empty() && (run.begin < stretches.back().end ||
-                             (run.begin == stretches.back().end && run.begin > begin));
-  if (!meets) return stretches.push_back(run);
-  stretches.back().end = std::max(stretches.back().end, run.end);
-  stretches.back().new_way += run.new_way;
+  auto& sections = extension_.sections;
+  const bool meets = !sections.empty() && (run.begin < sections.back().end ||
+                                           (run.begin == sections.back().end && run.begin > begin));
+  if (!meets) return sections.push_back(run);
+  sections.back().end = std::max(sections.back().end, run.end);
+  sections.back().new_path_length += run.new_path_length;
 }
 
-/// The first key frame of the known way before a new key frame. It ends where the place was
+/// The first key frame of the known path before a new key frame. It ends where the place was
 /// followed: what lies behind that is of no use.
 std::size_t Planner::overlap_before(std::size_t first, std::size_t begin) const {
   std::size_t last_anchor = first;
-  double way = 0.0;
-  for (std::size_t i = first; i > begin && way < kOverlap;) {
-    const double step = ways_[i--];
+  double path_length = 0.0;
+  for (std::size_t i = first; i > begin && path_length < kOverlap;) {
+    const double step = step_lengths_[i--];
     if (!is_anchor(i)) continue;
-    way += step;
+    path_length += step;
     last_anchor = i;
   }
   return last_anchor;
 }
 
-/// The last key frame of the known way behind a new key frame.
+/// The last key frame of the known path behind a new key frame.
 std::size_t Planner::overlap_behind(std::size_t last, std::size_t end) const {
   std::size_t last_anchor = last;
-  double way = 0.0;
-  for (std::size_t i = last + 1; i < end && way < kOverlap; ++i) {
+  double path_length = 0.0;
+  for (std::size_t i = last + 1; i < end && path_length < kOverlap; ++i) {
     if (!is_anchor(i)) continue;
-    way += ways_[i];
+    path_length += step_lengths_[i];
     last_anchor = i;
   }
   return last_anchor;
 }
 
 void Planner::keep_tied() {
-  std::vector<NewStretch> kept;
-  for (NewStretch& stretch : extension_.stretches) {
-    stretch.ties = ties_of(stretch);
-    if (stretch.ties.size() >= kLeastTies) {
-      kept.push_back(std::move(stretch));
+  std::vector<NewSection> kept;
+  for (NewSection& section : extension_.sections) {
+    section.ties = ties_of(section);
+    if (section.ties.size() >= kLeastTies) {
+      kept.push_back(std::move(section));
     } else {
-      extension_.left_out.not_tied += stretch.new_way;
+      extension_.omitted.not_tied += section.new_path_length;
     }
   }
-  extension_.stretches = std::move(kept);
+  extension_.sections = std::move(kept);
 }
 
-std::vector<Loop> Planner::ties_of(const NewStretch& stretch) const {
+std::vector<Loop> Planner::ties_of(const NewSection& section) const {
   std::vector<Loop> ties;
-  double way_since_tie = kTieSpacing;
-  for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
-    if (i > stretch.begin) way_since_tie += ways_[i];
-    if (!is_anchor(i) || way_since_tie < kTieSpacing) continue;
+  double path_length_since_tie = kTieSpacing;
+  for (std::size_t i = section.begin; i < section.end; ++i) {
+    if (i > section.begin) path_length_since_tie += step_lengths_[i];
+    if (!is_anchor(i) || path_length_since_tie < kTieSpacing) continue;
     ties.push_back(tie_to(i));
-    way_since_tie = 0.0;
+    path_length_since_tie = 0.0;
   }
   return ties;
 }

@@ -10,26 +10,27 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-std::vector<WayPoint> way_of(const session::Session& session, const KeyFramePoses& poses) {
+std::vector<PathPoint> path_of(const session::Session& session, const KeyFramePoses& poses) {
   std::map<KeyFrameIndex, std::uint32_t> segments;
   for (const KeyFrame& key_frame : session.key_frames()) {
     segments[key_frame.index] = key_frame.segment;
   }
-  std::vector<WayPoint> way;
+  std::vector<PathPoint> path;
   for (const KeyFramePose& pose : poses.poses) {
     const auto segment = segments.find(pose.index);
     if (segment == segments.end()) continue;
-    way.push_back({pose.index, segment->second, pose.stamp, pose.T_map_base.translation});
+    path.push_back({pose.index, segment->second, pose.stamp, pose.T_map_base.translation});
   }
-  return way;
+  return path;
 }
 
-std::vector<LoopMark> loops_of(const session::Session& session, const std::vector<WayPoint>& way) {
+std::vector<LoopMark> loops_of(const session::Session& session,
+                               const std::vector<PathPoint>& path) {
   const auto is_placed = [&](KeyFrameIndex index) {
     const auto found = std::lower_bound(
-        way.begin(), way.end(), index,
-        [](const WayPoint& point, KeyFrameIndex wanted) { return point.index < wanted; });
-    return found != way.end() && found->index == index;
+        path.begin(), path.end(), index,
+        [](const PathPoint& point, KeyFrameIndex wanted) { return point.index < wanted; });
+    return found != path.end() && found->index == index;
   };
   const auto verdicts = newest_verdicts(session.verdicts());
   std::vector<LoopMark> loops;
@@ -48,9 +49,9 @@ std::vector<LoopMark> loops_of(const session::Session& session, const std::vecto
 
 /// From where the section begins along the key frames in it to the first one behind it.
 std::vector<Eigen::Vector3d> course_of(const DoubtfulSection& section,
-                                       const std::vector<WayPoint>& way_by_stamp) {
+                                       const std::vector<PathPoint>& path_by_stamp) {
   std::vector<Eigen::Vector3d> course = {section.position};
-  for (const WayPoint& point : way_by_stamp) {
+  for (const PathPoint& point : path_by_stamp) {
     if (point.stamp <= section.begin) continue;
     course.push_back(point.p_map);
     if (point.stamp >= section.end) break;
@@ -58,15 +59,15 @@ std::vector<Eigen::Vector3d> course_of(const DoubtfulSection& section,
   return course;
 }
 
-std::vector<DoubtMark> doubts_of(const session::Session& session, std::vector<WayPoint> way) {
+std::vector<DoubtMark> doubts_of(const session::Session& session, std::vector<PathPoint> path) {
   const std::filesystem::path file = session.directory() / "doubt.csv";
   if (!std::filesystem::exists(file)) return {};
-  std::sort(way.begin(), way.end(),
-            [](const WayPoint& a, const WayPoint& b) { return a.stamp < b.stamp; });
+  std::sort(path.begin(), path.end(),
+            [](const PathPoint& a, const PathPoint& b) { return a.stamp < b.stamp; });
   std::vector<DoubtMark> doubts;
   for (const DoubtfulSection& section : read_doubt(file).sections) {
     doubts.push_back({to_string(section.doubt), section.begin, section.end, section.path_length,
-                      section.expected_error, section.is_trusted, course_of(section, way)});
+                      section.expected_error, section.is_trusted, course_of(section, path)});
   }
   return doubts;
 }
@@ -75,9 +76,9 @@ std::vector<DoubtMark> doubts_of(const session::Session& session, std::vector<Wa
 
 DriveMarks session_marks(const session::Session& session, const KeyFramePoses& poses) {
   DriveMarks marks;
-  marks.way = way_of(session, poses);
-  marks.loops = loops_of(session, marks.way);
-  marks.doubts = doubts_of(session, marks.way);
+  marks.path = path_of(session, poses);
+  marks.loops = loops_of(session, marks.path);
+  marks.doubts = doubts_of(session, marks.path);
   return marks;
 }
 

@@ -132,7 +132,7 @@ class Preprocessor::Impl {
     diagnostics_.time_went_back(input, jump);
     sensors_.clear();
     gnss_.clear();
-    counters_.scans_forgotten += queue_.size();
+    counters_.scans_discarded += queue_.size();
     queue_.clear();
     newest_ = last_stamp_ = 0;
   }

@@ -42,9 +42,10 @@ class BagRecording {
     for (const BagChunk& chunk : bag_->chunks()) {
       for (const BagEntry& entry : bag_->entries(chunk)) messages_.push_back({chunk, entry});
     }
-    std::stable_sort(messages_.begin(), messages_.end(), [](const Place& a, const Place& b) {
-      return a.entry.recorded < b.entry.recorded;
-    });
+    std::stable_sort(messages_.begin(), messages_.end(),
+                     [](const MessagePosition& a, const MessagePosition& b) {
+                       return a.entry.recorded < b.entry.recorded;
+                     });
     if (messages_.empty()) throw InputError(path + " has no message on " + clouds);
   }
 
@@ -61,7 +62,7 @@ class BagRecording {
   }
 
  private:
-  struct Place {
+  struct MessagePosition {
     BagChunk chunk;
     BagEntry entry;
   };
@@ -94,14 +95,14 @@ class BagRecording {
 
   /// Chunks are read in the order of the messages, so one is kept.
   RecordedCloud cloud_at(std::size_t index) const {
-    const Place& place = messages_[index];
-    if (!content_.bytes || place.chunk.position != content_of_) {
-      content_ = bag_->read(place.chunk, memory_);
-      content_of_ = place.chunk.position;
+    const MessagePosition& position = messages_[index];
+    if (!content_.bytes || position.chunk.position != content_of_) {
+      content_ = bag_->read(position.chunk, memory_);
+      content_of_ = position.chunk.position;
     }
-    const ros_border::StoredMessage stored = bag_->message(content_, place.entry);
-    const BagMessage message{&bag_->connections().at(place.entry.connection), place.entry.recorded,
-                             stored.data, stored.memory};
+    const ros_border::StoredMessage stored = bag_->message(content_, position.entry);
+    const BagMessage message{&bag_->connections().at(position.entry.connection),
+                             position.entry.recorded, stored.data, stored.memory};
     try {
       if (auto cloud = ros_border::read_cloud(message)) return *cloud;
     } catch (const ros::Exception&) {
@@ -138,7 +139,7 @@ class BagRecording {
   std::string path_;
   std::unique_ptr<ros_border::ChunkedRecording> bag_;
   FrameTree frames_;
-  std::vector<Place> messages_;
+  std::vector<MessagePosition> messages_;
   mutable ros_border::ChunkMemory memory_;
   mutable ros_border::ChunkContent content_;
   mutable std::uint64_t content_of_ = 0;

@@ -18,7 +18,8 @@ class StepwiseNdt : public pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl:
   }
 };
 
-/// The method of the articles (Magnusson 2009, with the line search of More and Thuente 1994).
+/// The method of lidar_localization (Magnusson 2009, with the line search of More and Thuente
+/// 1994).
 class PclNdt : public PclRegistration {
  public:
   explicit PclNdt(const RegistrationConfig& config)

@@ -100,7 +100,7 @@ Method implemented_by(Method method) {
   }
 }
 
-std::string method_notice(const RegistrationConfig& config) {
+std::string describe_substitution(const RegistrationConfig& config) {
   const Method used = implemented_by(config.method);
   if (used == config.method) return "";
   return "registration_method " + to_string(config.method) + " is hdl_graph_slam's; " +

@@ -8,8 +8,9 @@
 
 namespace lidar_mapping::report {
 
-/// m: path over which the motion in the map is compared with that by odometry. Chosen: as kWay in
-/// map_noise.cpp, the length over which the localiser itself learns how noisy the map is.
+/// m: path over which the motion in the map is compared with that by odometry. Chosen: as
+/// kComparedDistance in map_noise.cpp, the length over which the localiser itself learns how noisy
+/// the map is.
 inline constexpr double kComparedPath = 10.0;
 
 /// How far a motion in the map differs from the same motion by the drive's own odometry, which

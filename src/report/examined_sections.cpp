@@ -25,13 +25,13 @@ class KeyFrameSquares {
     for (std::size_t i = 0; i < map.size(); ++i) squares_[square_of(position(i))].push_back(i);
   }
 
-  void find_nearest(ScanPlace& place) const {
-    const Square middle = square_of(place.T_map_base.translation);
+  void find_nearest(ScanLocation& location) const {
+    const Square middle = square_of(location.T_map_base.translation);
     double least = kMapReach;
     for (const std::int64_t x : {middle.first - 1, middle.first, middle.first + 1}) {
       for (const std::int64_t y : {middle.second - 1, middle.second, middle.second + 1}) {
         const auto square = squares_.find({x, y});
-        if (square != squares_.end()) find_nearer(square->second, least, place);
+        if (square != squares_.end()) find_nearer(square->second, least, location);
       }
     }
   }
@@ -46,13 +46,13 @@ class KeyFrameSquares {
 
   /// Takes a key frame that is nearer than `least`, m.
   void find_nearer(const std::vector<std::size_t>& key_frames, double& least,
-                   ScanPlace& place) const {
+                   ScanLocation& location) const {
     for (const std::size_t i : key_frames) {
-      const double distance = (position(i) - place.T_map_base.translation).norm();
+      const double distance = (position(i) - location.T_map_base.translation).norm();
       if (distance >= least) continue;
       least = distance;
-      place.is_in_map = true;
-      place.key_frame = i;
+      location.is_in_map = true;
+      location.key_frame = i;
     }
   }
 
@@ -60,12 +60,12 @@ class KeyFrameSquares {
   std::map<Square, std::vector<std::size_t>> squares_;
 };
 
-/// Carries a place to the next or previous scan, if odometry leads there.
-void carry(const ScanPlace& from_place, const ExaminedScan& from, const ExaminedScan& to,
-           ScanPlace& to_place) {
-  if (to_place.is_known || !from_place.is_known || from.segment != to.segment) return;
-  to_place.is_known = true;
-  to_place.T_map_base = from_place.T_map_base * (from.T_odom_base.inverse() * to.T_odom_base);
+/// Carries a location to the next or previous scan, if odometry leads there.
+void carry(const ScanLocation& from_location, const ExaminedScan& from, const ExaminedScan& to,
+           ScanLocation& to_location) {
+  if (to_location.is_known || !from_location.is_known || from.segment != to.segment) return;
+  to_location.is_known = true;
+  to_location.T_map_base = from_location.T_map_base * (from.T_odom_base.inverse() * to.T_odom_base);
 }
 
 std::vector<ExaminedSection> sections_of(const KeyFramePoses& map) {
@@ -106,32 +106,33 @@ void add(const ExaminedScan& scan, double path_since_last, ExaminedSection& sect
 
 }  // namespace
 
-std::vector<ScanPlace> places_of(const std::vector<ExaminedScan>& scans, const KeyFramePoses& map) {
-  std::vector<ScanPlace> places(scans.size());
+std::vector<ScanLocation> locations_of(const std::vector<ExaminedScan>& scans,
+                                       const KeyFramePoses& map) {
+  std::vector<ScanLocation> locations(scans.size());
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    places[i].is_known = has_pose(scans[i].state);
-    if (places[i].is_known) places[i].T_map_base = scans[i].T_map_base;
-    if (i > 0) carry(places[i - 1], scans[i - 1], scans[i], places[i]);
+    locations[i].is_known = has_pose(scans[i].state);
+    if (locations[i].is_known) locations[i].T_map_base = scans[i].T_map_base;
+    if (i > 0) carry(locations[i - 1], scans[i - 1], scans[i], locations[i]);
   }
   for (std::size_t i = scans.size(); i-- > 1;) {
-    carry(places[i], scans[i], scans[i - 1], places[i - 1]);
+    carry(locations[i], scans[i], scans[i - 1], locations[i - 1]);
   }
   const KeyFrameSquares key_frames(map.poses);
-  for (ScanPlace& place : places) {
-    if (place.is_known) key_frames.find_nearest(place);
+  for (ScanLocation& location : locations) {
+    if (location.is_known) key_frames.find_nearest(location);
   }
-  return places;
+  return locations;
 }
 
 std::vector<ExaminedSection> examined_sections(const std::vector<ExaminedScan>& scans,
-                                               const std::vector<ScanPlace>& places,
+                                               const std::vector<ScanLocation>& locations,
                                                const KeyFramePoses& map) {
   std::vector<ExaminedSection> sections = sections_of(map);
   const std::vector<std::size_t> numbers = section_numbers(sections, map.poses.size());
   std::vector<double> last_paths(sections.size(), 0.0);
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    if (!places[i].is_in_map || scans[i].state == LocalizationState::kSearching) continue;
-    const std::size_t k = numbers[places[i].key_frame];
+    if (!locations[i].is_in_map || scans[i].state == LocalizationState::kSearching) continue;
+    const std::size_t k = numbers[locations[i].key_frame];
     add(scans[i], scans[i].path - last_paths[k], sections[k]);
     last_paths[k] = scans[i].path;
   }

@@ -10,15 +10,15 @@
 
 namespace lidar_mapping::report {
 
-/// m: within this distance of a key frame the map covers a place. Chosen: as kNewDistance in
-/// map_extension.cpp, from which on a place is new to the map.
+/// m: within this distance of a key frame the map covers a location. Chosen: as kNewDistance in
+/// map_extension.cpp, from which on a location is new to the map.
 inline constexpr double kMapReach = 15.0;
 /// m: path length of a section of the map. Chosen: a dozen scans in a street, so that their mean
 /// means something, and short enough to find the place.
 inline constexpr double kSectionLength = 20.0;
 
 /// Where a scan was in the map.
-struct ScanPlace {
+struct ScanLocation {
   bool is_known = false;  ///< there is a pose
   /// By localisation, else by odometry from the nearest scan that has a pose: that before, or if
   /// there is none the one behind. Odometry has to lead there.
@@ -27,8 +27,9 @@ struct ScanPlace {
   std::size_t key_frame = 0;  ///< position of the nearest one in the poses of the map, if so
 };
 
-/// The place of each scan.
-std::vector<ScanPlace> places_of(const std::vector<ExaminedScan>& scans, const KeyFramePoses& map);
+/// The location of each scan.
+std::vector<ScanLocation> locations_of(const std::vector<ExaminedScan>& scans,
+                                       const KeyFramePoses& map);
 
 /// A section of the map's path and what a drive met there.
 struct ExaminedSection {
@@ -44,9 +45,9 @@ struct ExaminedSection {
 };
 
 /// All sections of the map, in the order of its path. A scan belongs to that of the nearest key
-/// frame, if the map covers its place.
+/// frame, if the map covers its location.
 std::vector<ExaminedSection> examined_sections(const std::vector<ExaminedScan>& scans,
-                                               const std::vector<ScanPlace>& places,
+                                               const std::vector<ScanLocation>& locations,
                                                const KeyFramePoses& map);
 
 }  // namespace lidar_mapping::report

@@ -34,14 +34,14 @@ json::Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back
          {"begin_s", to_seconds(section.begin - doubt.begin)},
          {"end_s", to_seconds(section.end - doubt.begin)},
          {"scans", section.scans},
-         {"way_m", section.path_length},
+         {"path_length_m", section.path_length},
          {"error_m", std::isfinite(section.expected_error) ? json::Json(section.expected_error)
                                                            : json::Json()},
          {"lowest_probability", section.lowest_probability},
          {"trusted", section.is_trusted},
          {"rows", {first, last}}});
   }
-  return {{"stretches", rows}, {"warnings", pipeline::warnings(doubt)}};
+  return {{"sections", rows}, {"warnings", pipeline::warnings(doubt)}};
 }
 
 }  // namespace lidar_mapping::report

@@ -19,7 +19,7 @@ using localization::LocalizationState;
 /// A drive with its scans where they were in the map.
 struct Examination {
   const std::vector<ExaminedScan>& scans;
-  const std::vector<ScanPlace> places;
+  const std::vector<ScanLocation> locations;
   const KeyFramePoses& map;
 
   /// Path to a scan from the one before, m.
@@ -54,7 +54,7 @@ Json states(const Examination& drive) {
 /// What the map covers of the drive since its place was found, and what of that was followed.
 Json in_map(const Examination& drive) {
   const auto is_in_map = [&](std::size_t i) {
-    return drive.places[i].is_in_map && drive.scans[i].state != LocalizationState::kSearching;
+    return drive.locations[i].is_in_map && drive.scans[i].state != LocalizationState::kSearching;
   };
   Json figures = scans_and_path(drive, is_in_map);
   figures["followed"] = scans_and_path(drive, [&](std::size_t i) {
@@ -85,12 +85,12 @@ Json over_followed(const Examination& drive, double ExaminedScan::*figure) {
 
 /// Position of a scan in the map and its nearest key frame; null where they are not known.
 Json place_of(const Examination& drive, std::size_t i) {
-  const ScanPlace& place = drive.places[i];
+  const ScanLocation& location = drive.locations[i];
   Json figures = {{"key_frame", nullptr}, {"x", nullptr}, {"y", nullptr}};
-  if (place.is_in_map) figures["key_frame"] = drive.map.poses[place.key_frame].index;
-  if (!place.is_known) return figures;
-  figures["x"] = place.T_map_base.translation.x();
-  figures["y"] = place.T_map_base.translation.y();
+  if (location.is_in_map) figures["key_frame"] = drive.map.poses[location.key_frame].index;
+  if (!location.is_known) return figures;
+  figures["x"] = location.T_map_base.translation.x();
+  figures["y"] = location.T_map_base.translation.y();
   return figures;
 }
 
@@ -99,7 +99,7 @@ Json place_of(const Examination& drive, std::size_t i) {
 std::size_t place_of_loss(const Examination& drive, std::size_t begin, std::size_t end) {
   const std::size_t first = begin == 0 ? begin : begin - 1;
   for (std::size_t i = first; i < end; ++i) {
-    if (drive.places[i].is_in_map) return i;
+    if (drive.locations[i].is_in_map) return i;
   }
   return first;
 }
@@ -107,7 +107,7 @@ std::size_t place_of_loss(const Examination& drive, std::size_t begin, std::size
 Json loss_of(const Examination& drive, std::size_t begin, std::size_t end) {
   const std::size_t at = place_of_loss(drive, begin, end);
   Json figures = place_of(drive, at);
-  figures["in_map"] = drive.places[at].is_in_map;
+  figures["in_map"] = drive.locations[at].is_in_map;
   figures["begin_s"] = drive.seconds(begin);
   figures["scans"] = end - begin;
   figures["path_m"] = drive.scans[end - 1].path - drive.scans[begin].path + drive.step(begin);
@@ -171,7 +171,8 @@ Json against_odometry(const Examination& drive) {
 
 Json sections(const Examination& drive) {
   Json rows = Json::array();
-  for (const ExaminedSection& section : examined_sections(drive.scans, drive.places, drive.map)) {
+  for (const ExaminedSection& section :
+       examined_sections(drive.scans, drive.locations, drive.map)) {
     const std::vector<KeyFramePose>& key_frames = drive.map.poses;
     const KeyFramePose& middle = key_frames[(section.first + section.last) / 2];
     const bool is_passed = section.scans > 0;
@@ -193,7 +194,7 @@ Json sections(const Examination& drive) {
 }  // namespace
 
 Json examination_figures(const ExaminedDrive& drive, const KeyFramePoses& map) {
-  const Examination examined{drive.scans, places_of(drive.scans, map), map};
+  const Examination examined{drive.scans, locations_of(drive.scans, map), map};
   return {{"name", drive.name},
           {"recordings", drive.recordings},
           {"scans", drive.scans.size()},

@@ -123,7 +123,7 @@ json::Json scan_figures(const ReportInput& input) {
   return {{"scans", scans.size()},
           {"dropped", dropped},
           {"states", states},
-          {"stretches", untracked_sections(scans)},
+          {"sections", untracked_sections(scans)},
           {"front_end_median_s", quantile(seconds, 0.5)},
           {"front_end_p99_s", quantile(seconds, 0.99)},
           {"optimisations", revisions.size()},
@@ -171,7 +171,7 @@ json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio)
   };
   return {{"ground", part(thickness.ground)},
           {"walls", part(thickness.walls)},
-          {"planar_share", thickness.planar_fraction}};
+          {"planar_fraction", thickness.planar_fraction}};
 }
 
 json::Json to_json(const map_quality::PassMisalignment& misalignment) {

@@ -53,34 +53,34 @@ json::Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& 
 }
 
 /// A key frame of the map with its uncertainty by the graph.
-struct Place {
+struct KeyFrameUncertainty {
   const KeyFramePose* pose = nullptr;
   const KeyFrameDeviation* deviation = nullptr;
   double distance = 0.0;  ///< path length to it, m
 };
 
-std::vector<Place> places_of(const ReportInput& input,
-                             const std::vector<KeyFrameDeviation>& deviations) {
+std::vector<KeyFrameUncertainty> uncertainties_of(
+    const ReportInput& input, const std::vector<KeyFrameDeviation>& deviations) {
   std::map<KeyFrameIndex, const KeyFrameDeviation*> by_index;
   for (const KeyFrameDeviation& deviation : deviations) by_index[deviation.index] = &deviation;
   const std::vector<double> distances = distances_of(input.poses);
-  std::vector<Place> places;
+  std::vector<KeyFrameUncertainty> uncertainties;
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const KeyFramePose& pose = input.poses.poses[i];
     const auto found = by_index.find(pose.index);
-    if (found != by_index.end()) places.push_back({&pose, found->second, distances[i]});
+    if (found != by_index.end()) uncertainties.push_back({&pose, found->second, distances[i]});
   }
-  return places;
+  return uncertainties;
 }
 
 /// The largest known standard deviation of a position and its key frame; null if none is known.
-json::Json largest(const std::vector<Place>& places,
+json::Json largest(const std::vector<KeyFrameUncertainty>& uncertainties,
                    back_end::PoseDeviation KeyFrameDeviation::*which) {
-  const Place* worst = nullptr;
-  for (const Place& place : places) {
-    const double sigma = (place.deviation->*which).position;
+  const KeyFrameUncertainty* worst = nullptr;
+  for (const KeyFrameUncertainty& uncertainty : uncertainties) {
+    const double sigma = (uncertainty.deviation->*which).position;
     if (!std::isfinite(sigma)) continue;
-    if (worst == nullptr || sigma > (worst->deviation->*which).position) worst = &place;
+    if (worst == nullptr || sigma > (worst->deviation->*which).position) worst = &uncertainty;
   }
   if (worst == nullptr) return nullptr;
   const Eigen::Vector3d& p = worst->pose->T_map_base.translation;
@@ -103,18 +103,18 @@ std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session)
 
 json::Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end,
                                const std::vector<back_end::KeyFrameDeviation>& deviations) {
-  const std::vector<Place> places = places_of(input, deviations);
+  const std::vector<KeyFrameUncertainty> uncertainties = uncertainties_of(input, deviations);
   json::Json rows = json::Json::array();
-  for (const Place& place : places) {
-    const back_end::PoseDeviation& sigma = place.deviation->from_first;
+  for (const KeyFrameUncertainty& uncertainty : uncertainties) {
+    const back_end::PoseDeviation& sigma = uncertainty.deviation->from_first;
     if (!std::isfinite(sigma.position)) continue;
-    rows.push_back({place.distance, sigma.position, sigma.angle * kDegPerRad});
+    rows.push_back({uncertainty.distance, sigma.position, sigma.angle * kDegPerRad});
   }
   const auto count = [&](const auto& is_so) {
     return std::count_if(deviations.begin(), deviations.end(), is_so);
   };
-  return {{"largest", largest(places, &KeyFrameDeviation::from_first)},
-          {"largest_step", largest(places, &KeyFrameDeviation::from_previous)},
+  return {{"largest", largest(uncertainties, &KeyFrameDeviation::from_first)},
+          {"largest_step", largest(uncertainties, &KeyFrameDeviation::from_previous)},
           {"not_tied", count([](const auto& d) { return !std::isfinite(d.from_first.position); })},
           {"doubtful", count([](const auto& d) { return d.doubtful; })},
           {"longest_without_constraint", longest_gap(input, constrained_ones(input, back_end))},
@@ -125,14 +125,14 @@ json::Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd
 std::string key_frame_table(const ReportInput& input,
                             const std::vector<back_end::KeyFrameDeviation>& deviations) {
   std::ostringstream text;
-  text << "key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m,sigma_first_deg,"
+  text << "key_frame,stamp_ns,x,y,z,path_length_m,part,doubtful,sigma_first_m,sigma_first_deg,"
           "sigma_previous_m,sigma_previous_deg\n"
        << std::fixed << std::setprecision(6);
-  for (const Place& place : places_of(input, deviations)) {
-    const Eigen::Vector3d& p = place.pose->T_map_base.translation;
-    const back_end::KeyFrameDeviation& deviation = *place.deviation;
-    text << deviation.index << ',' << place.pose->stamp << ',' << p.x() << ',' << p.y() << ','
-         << p.z() << ',' << place.distance << ',' << deviation.part << ','
+  for (const KeyFrameUncertainty& uncertainty : uncertainties_of(input, deviations)) {
+    const Eigen::Vector3d& p = uncertainty.pose->T_map_base.translation;
+    const back_end::KeyFrameDeviation& deviation = *uncertainty.deviation;
+    text << deviation.index << ',' << uncertainty.pose->stamp << ',' << p.x() << ',' << p.y() << ','
+         << p.z() << ',' << uncertainty.distance << ',' << deviation.part << ','
          << (deviation.doubtful ? "yes" : "no") << ',' << deviation.from_first.position << ','
          << deviation.from_first.angle * kDegPerRad << ',' << deviation.from_previous.position
          << ',' << deviation.from_previous.angle * kDegPerRad << '\n';

@@ -162,7 +162,7 @@ json::Json doubt_line(const json::Json& doubt) {
       "parts of the map connected, and errors of the unobserved path below 1 % of its length";
   const json::Json* worst = nullptr;
   std::size_t untrusted = 0;
-  for (const json::Json& section : doubt["stretches"]) {
+  for (const json::Json& section : doubt["sections"]) {
     if (section["trusted"]) continue;
     ++untrusted;
     // Null is an unknown error, which counts as larger than any other.
@@ -173,7 +173,7 @@ json::Json doubt_line(const json::Json& doubt) {
   }
   if (worst == nullptr) {
     return line(name, "all along", true,
-                formatted("%zu remarks in doubt.csv", doubt["stretches"].size()), limit);
+                formatted("%zu remarks in doubt.csv", doubt["sections"].size()), limit);
   }
   const json::Json& error = (*worst)["error_m"];
   const std::string value =
@@ -201,7 +201,7 @@ json::Json truth_line(const json::Json& truth) {
 json::Json verdicts(const json::Json& report) {
   json::Json lines = {thickness_line("Walls", report["thickness"]["walls"]),
                       thickness_line("Ground", report["thickness"]["ground"]),
-                      misalignment_line(report["ghosts"]),
+                      misalignment_line(report["misalignments"]),
                       loop_line(report["loops"]),
                       gnss_line(report["gnss"]),
                       odometry_line(report),
@@ -224,7 +224,7 @@ std::string overall_verdict(const json::Json& report) {
   }
   std::string text =
       faults.empty() ? "Good: nothing that has to be checked" : "Look at: " + joined(faults);
-  if (report["ghosts"].empty()) {
+  if (report["misalignments"].empty()) {
     text += "; no place was driven twice, so only local quality could be judged";
   }
   return text;

@@ -101,9 +101,9 @@ void print(const QualityResult& found, std::size_t places) {
 Json to_json(const QualityResult& found, const map_quality::QualityConfig& config) {
   Json figures = {{"range_noise_m", config.range_noise},
                   {"thickness", report::to_json(found.thickness, found.has_ratio)},
-                  {"ghosts", Json::array()}};
+                  {"misalignments", Json::array()}};
   for (const map_quality::PassMisalignment& misalignment : found.misalignments) {
-    figures["ghosts"].push_back(report::to_json(misalignment));
+    figures["misalignments"].push_back(report::to_json(misalignment));
   }
   return figures;
 }

@@ -29,7 +29,8 @@ using namespace lidar_mapping;
 using campaign::ScanRecord;
 using json::Json;
 
-/// Name of a whole front end instead of a method: that of the articles (baseline_odometry.hpp).
+/// Name of a whole front end instead of a method: that of lidar_localization
+/// (baseline_odometry.hpp).
 const std::string kBaseline = "LIDAR_LOCALIZATION";
 
 struct Options {
@@ -149,7 +150,7 @@ void write_wanted(const std::string& path, const std::string& text) {
 
 void run(const Options& options) {
   const front_end::FrontEndConfig config = make_config(options);
-  const std::string notice = registration::method_notice(config.registration);
+  const std::string notice = registration::describe_substitution(config.registration);
   if (!notice.empty()) std::cerr << "odometry_benchmark: " << notice << "\n";
   const recordings::Recording recording = recordings::open_recording(
       options.recording, options.topic,
@@ -187,8 +188,9 @@ int main(int argc, char** argv) {
   app.add_option("recording", options.recording, "folder with velodyne/NNNNNN.bin, or bag")
       ->required();
   app.add_option("--topic", options.topic, "topic of a bag; else its first PointCloud2");
-  app.add_option("--method", options.method,
-                 "registration_method, or " + kBaseline + " for the scheme of the articles");
+  app.add_option(
+      "--method", options.method,
+      "registration_method, or " + kBaseline + " for the front end of lidar_localization");
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
   app.add_option("--config", options.config,
                  std::string(tools::kConfigHelp) + "; parameters of the front end");

@@ -123,7 +123,7 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
                {"largest_error_deg", f.largest_error_deg},
                {"cpu_ms", f.cpu_ms},
                {"ape_m", f.ape},
-               {"way_m", f.path_length},
+               {"path_length_m", f.path_length},
                {"nees_steps", nullptr},
                {"nees_edges", nullptr}};
   if (f.drift_percent) json["drift_percent"] = *f.drift_percent;

@@ -25,7 +25,7 @@ TEST(DriveConsistency, OfTwoTheOneThatOthersConfirmIsKept) {
   const auto found = contradicting_gnss({pair(0, 2, 0.0), pair(1, 2, 20.0)});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].drive, 1U);
-  EXPECT_EQ(found[0].witness, 2U);
+  EXPECT_EQ(found[0].other_drive, 2U);
 }
 
 TEST(DriveConsistency, OfTwoAloneTheLaterIsLeftOut) {

@@ -62,16 +62,18 @@ TEST(FreeSpaceImage, TestsOnlyWhereItHasReturns) {
 
 // At the edge of the field of view the ground may lie right below the last returns.
 TEST(FreeSpaceImage, SawThroughOnlyWhereEachRowAroundHasReturns) {
-  const auto saw_through = [](const std::array<float, 9>& ranges, float range) {
-    return image_of(ranges).saw_through(at(range, 0.75, 1.0));
+  const auto is_certain_violation = [](const std::array<float, 9>& ranges, float range) {
+    return image_of(ranges).is_certain_violation(at(range, 0.75, 1.0));
   };
-  EXPECT_TRUE(saw_through({20, 0, 0, 0, 20, 20, 0, 20, 0}, 10.0F));
-  EXPECT_FALSE(saw_through({0, 0, 0, 20, 20, 20, 20, 20, 20}, 10.0F)) << "none below";
-  EXPECT_FALSE(saw_through({20, 20, 20, 20, 20, 20, 0, 0, 0}, 10.0F)) << "none above";
-  EXPECT_FALSE(saw_through({20, 0, 0, 0, 20, 0, 0, 20, 0}, 10.0F)) << "three returns";
-  EXPECT_FALSE(saw_through({20, 20, 20, 20, 0, 20, 20, 20, 20}, 10.0F)) << "not in the direction";
-  EXPECT_FALSE(saw_through({20, 20, 20, 20, 20, 20, 11, 20, 20}, 10.0F)) << "beside something near";
-  EXPECT_FALSE(FreeSpaceImage().saw_through({1.0F, 0.0F, 0.0F}));
+  EXPECT_TRUE(is_certain_violation({20, 0, 0, 0, 20, 20, 0, 20, 0}, 10.0F));
+  EXPECT_FALSE(is_certain_violation({0, 0, 0, 20, 20, 20, 20, 20, 20}, 10.0F)) << "none below";
+  EXPECT_FALSE(is_certain_violation({20, 20, 20, 20, 20, 20, 0, 0, 0}, 10.0F)) << "none above";
+  EXPECT_FALSE(is_certain_violation({20, 0, 0, 0, 20, 0, 0, 20, 0}, 10.0F)) << "three returns";
+  EXPECT_FALSE(is_certain_violation({20, 20, 20, 20, 0, 20, 20, 20, 20}, 10.0F))
+      << "not in the direction";
+  EXPECT_FALSE(is_certain_violation({20, 20, 20, 20, 20, 20, 11, 20, 20}, 10.0F))
+      << "beside something near";
+  EXPECT_FALSE(FreeSpaceImage().is_certain_violation({1.0F, 0.0F, 0.0F}));
 }
 
 TEST(FreeSpaceImage, KeepsTheNearestReturnOfADirection) {

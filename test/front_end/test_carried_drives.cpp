@@ -69,12 +69,12 @@ class Preprocessed {
 
 struct Outcome {
   std::size_t lost = 0;
-  std::size_t distrusted = 0;  ///< scans, by the front end
-  std::size_t refused = 0;     ///< scans, by preprocessing
-  double largest_turn = 0.0;   ///< rad, error of a step
-  double start_error = 0.0;    ///< m, after the first second
-  double error = 0.0;          ///< m, since then
-  double unseen_way = 0.0;     ///< m
+  std::size_t distrusted = 0;           ///< scans, by the front end
+  std::size_t refused = 0;              ///< scans, by preprocessing
+  double largest_turn = 0.0;            ///< rad, error of a step
+  double start_error = 0.0;             ///< m, after the first second
+  double error = 0.0;                   ///< m, since then
+  double vertical_ride_distance = 0.0;  ///< m
   SweepTimes times = SweepTimes::kAsGiven;
 };
 
@@ -93,7 +93,7 @@ Outcome follow(const simulation::Drive& drive) {
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
-    outcome.unseen_way = result.status.unseen_way;
+    outcome.vertical_ride_distance = result.status.vertical_ride_distance;
     outcome.times = result.status.sweep_times.source;
     const double turn_error = rotation_angle(ride.step_error().rotation);
     if (i > 0) outcome.largest_turn = std::max(outcome.largest_turn, turn_error);
@@ -115,7 +115,7 @@ TEST(CarriedDrive, StepsRotateCorrectlyWithAGyro) {
     const Outcome outcome = follow(carried_drive(name, 12.0));
     EXPECT_EQ(outcome.lost, 0U);
     EXPECT_EQ(outcome.distrusted, 0U);
-    EXPECT_EQ(outcome.unseen_way, 0.0);
+    EXPECT_EQ(outcome.vertical_ride_distance, 0.0);
     EXPECT_LT(outcome.largest_turn, 1.0 * M_PI / 180.0);
     EXPECT_LT(outcome.start_error, 0.12);
     EXPECT_LT(outcome.error, 0.05);

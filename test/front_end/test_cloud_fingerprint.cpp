@@ -89,7 +89,7 @@ TEST(Coasting, KeepsWhatIsKnownOfTheDrive) {
   tracked.status.sweep_times.source = SweepTimes::kNegated;
   tracked.status.gyro_distrusted = true;
   tracked.status.velocity_distrusted = true;
-  tracked.status.unseen_way = 5.0;
+  tracked.status.vertical_ride_distance = 5.0;
   tracked.status.overlap = 0.9;
   const FrontEndStatus status = coasted(tracked, 0.1).status;
   EXPECT_EQ(status.map_points_dropped, 7U);
@@ -99,7 +99,7 @@ TEST(Coasting, KeepsWhatIsKnownOfTheDrive) {
   EXPECT_EQ(status.sweep_times.source, SweepTimes::kNegated);
   EXPECT_TRUE(status.gyro_distrusted);
   EXPECT_TRUE(status.velocity_distrusted);
-  EXPECT_EQ(status.unseen_way, 5.0);
+  EXPECT_EQ(status.vertical_ride_distance, 5.0);
   EXPECT_EQ(status.overlap, 0.0) << "nothing was matched";
 }
 

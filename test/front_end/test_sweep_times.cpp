@@ -13,7 +13,7 @@
 #include "recorded_scans.hpp"
 #include "scan/sweep_times.hpp"
 #include "test_data.hpp"
-#include "tracking/sweep_times_trial.hpp"
+#include "tracking/sweep_times_validator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -42,7 +42,7 @@ class Matching : public testing::Test {
 
   const ToyWorld world_;
   MapSurfaces surfaces_;
-  ScanSampler sampler_;
+  ScanPointSampler sampler_;
   MapMatcher matcher_;
 };
 

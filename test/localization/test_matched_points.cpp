@@ -33,7 +33,8 @@ class ParkedLorry : public testing::Test {
   /// The points of a scan from six metres before the lorry.
   std::vector<Seen> scan() {
     const Pose T_map_base = planar(6.0, 0.0, 0.0);
-    const ScanPoints points = ScanSampler().sample(world_.scan(T_map_base, 9), ToyWorld::sensor());
+    const ScanPoints points =
+        ScanPointSampler().sample(world_.scan(T_map_base, 9), ToyWorld::sensor());
     std::vector<Seen> seen;
     for (const MatchedPoint& point : MapMatcher().weighted(points, surfaces_, T_map_base)) {
       seen.push_back({T_map_base * point.p_base.cast<double>(), point.agreement});

@@ -17,15 +17,15 @@ PointCloud cloud_of(const std::vector<Eigen::Vector3f>& points) {
   return cloud;
 }
 
-TEST(ScanSampler, TakesOnePointOfEachCube) {
-  ScanSampler sampler;
+TEST(ScanPointSampler, TakesOnePointOfEachCube) {
+  ScanPointSampler sampler;
   const ScanPoints points = sampler.sample(
       cloud_of({{5.1F, 5.1F, 0.1F}, {5.2F, 5.2F, 0.2F}, {7.5F, 5.1F, 0.1F}}), {0.0, 0.0, 0.0});
   EXPECT_EQ(points.all.size(), 2U);
 }
 
-TEST(ScanSampler, TellsNearPointsAndStructureApart) {
-  ScanSampler sampler;
+TEST(ScanPointSampler, TellsNearPointsAndStructureApart) {
+  ScanPointSampler sampler;
   const ScanPoints points = sampler.sample(cloud_of({{5.0F, 0.0F, 0.0F},
                                                      {6.0F, 0.0F, 2.0F},
                                                      {60.0F, 0.0F, 2.0F},
@@ -39,8 +39,8 @@ TEST(ScanSampler, TellsNearPointsAndStructureApart) {
   EXPECT_FLOAT_EQ(points.all.viewpoint()->z(), 1.8F);
 }
 
-TEST(ScanSampler, BoundsTheNumberOfPoints) {
-  ScanSampler sampler;
+TEST(ScanPointSampler, BoundsTheNumberOfPoints) {
+  ScanPointSampler sampler;
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 200'000; ++i) {
     points.emplace_back(static_cast<float>(i % 150) - 75.0F, static_cast<float>(i / 150 % 20),

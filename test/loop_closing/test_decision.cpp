@@ -162,6 +162,12 @@ TEST(Decide, TheLimitOfTheFitnessIsConfigurable) {
   expect(decision_on(match, certain_prior(), config_of("0.0")), Verdict::kAccepted, "");
 }
 
+TEST(LoopClosingConfig, ReadsTheUnanchoredPathLengthUnderItsOldName) {
+  const auto config = config::load<LoopClosingConfig>(
+      {config::parse_yaml("unanchored_stretch: 60.0\n", "an older session")});
+  EXPECT_EQ(config.unanchored_path_length, 60.0);
+}
+
 TEST(Decide, GnssCanContradict) {
   Prior prior = certain_prior();
   prior.sigma_horizontal = 100.0;
@@ -203,7 +209,7 @@ TEST(LoopClosingConfig, AcceptsTheNamesOfBothPredecessors) {
       "fitness_score_limit: 0.2\nmap_filter: voxel_filter\nscan_filter: no_filter\n"
       "voxel_filter: {map: {leaf_size: 0.3}, scan: {leaf_size: 0.3}}\n"
       "distance_thresh: 15.0\naccum_distance_thresh: 25.0\nmin_edge_interval: 15.0\n",
-      "articles")});
+      "lidar_localization")});
   EXPECT_EQ(config.diff_num, 100);
   EXPECT_EQ(config.scan_filter, FilterMethod::kNone);
   EXPECT_EQ(config.map_leaf_size, 0.3);

@@ -103,14 +103,14 @@ TEST_F(GeoTiff, RefusesARasterTooLarge) {
 DriveMarks example_marks() {
   DriveMarks marks;
   for (KeyFrameIndex i = 0; i < 6; ++i) {
-    marks.way.push_back({i, i / 3, from_seconds(100.0 + i), {10.0 * i, 0.0, 1.0}});
+    marks.path.push_back({i, i / 3, from_seconds(100.0 + i), {10.0 * i, 0.0, 1.0}});
   }
   marks.loops = {{0, 4, Verdict::kAccepted, "the graph agrees", LoopSource::kPosition}};
   DoubtMark doubt;
   doubt.kind = "lost";
   doubt.expected_error = std::numeric_limits<double>::infinity();
   doubt.is_trusted = false;
-  doubt.way_map = {{1.0, 2.0, 3.0}};
+  doubt.path_map = {{1.0, 2.0, 3.0}};
   marks.doubts = {doubt};
   return marks;
 }
@@ -120,9 +120,9 @@ nlohmann::json json_in(const fs::path& path) { return nlohmann::json::parse(cont
 TEST(GeoJson, IsInDegreesWithADatum) {
   const TemporaryFolder folder;
   EXPECT_EQ(write_geojson(example_marks(), kDatum, folder.path()).size(), 3U);
-  const auto way = json_in(folder.path() / "trajectory.geojson");
-  ASSERT_EQ(way["features"].size(), 2U) << "a line for each drive";
-  const auto& first = way["features"][0];
+  const auto path = json_in(folder.path() / "trajectory.geojson");
+  ASSERT_EQ(path["features"].size(), 2U) << "a line for each drive";
+  const auto& first = path["features"][0];
   EXPECT_EQ(first["geometry"]["type"], "LineString");
   EXPECT_EQ(first["properties"]["length_m"], 20.0);
   const auto& position = first["geometry"]["coordinates"][0];
@@ -145,9 +145,9 @@ TEST(GeoJson, SaysThatItIsLocalWithoutADatum) {
   const TemporaryFolder folder;
   const Files files = write_geojson(example_marks(), std::nullopt, folder.path());
   EXPECT_EQ(files[0].filename(), "trajectory_local_metres.geojson");
-  const auto way = json_in(files[0]);
-  EXPECT_EQ(way["coordinates"], "metres in the frame of the map, not WGS 84");
-  EXPECT_EQ(way["features"][1]["geometry"]["coordinates"][2][0], 50.0);
+  const auto path = json_in(files[0]);
+  EXPECT_EQ(path["coordinates"], "metres in the frame of the map, not WGS 84");
+  EXPECT_EQ(path["features"][1]["geometry"]["coordinates"][2][0], 50.0);
 }
 
 }  // namespace

@@ -99,8 +99,8 @@ TEST_F(MapFormats, TellDrivesOfEqualStampsApart) {
   options.formats = {"ept"};
   options.marks = [] {
     DriveMarks marks;
-    marks.way.push_back({0, 0, 0, Eigen::Vector3d(0.0, 0.0, 0.0)});
-    marks.way.push_back({1, 1, 0, Eigen::Vector3d(50.0, 0.0, 0.0)});
+    marks.path.push_back({0, 0, 0, Eigen::Vector3d(0.0, 0.0, 0.0)});
+    marks.path.push_back({1, 1, 0, Eigen::Vector3d(50.0, 0.0, 0.0)});
     return marks;
   };
   write_products(poses, source_, {}, options, folder_.path());

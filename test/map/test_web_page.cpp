@@ -40,11 +40,11 @@ WebPage example_page() {
   page.title = "</script>\"square\"";  // as harmless as any other name of a map
   page.datum = kDatum;
   page.resolution = 0.1;
-  page.marks.way = {{0, 0, 0, {1.0, 1.0, 1.0}}, {1, 0, 1, {20.0, 20.0, 1.0}}};
+  page.marks.path = {{0, 0, 0, {1.0, 1.0, 1.0}}, {1, 0, 1, {20.0, 20.0, 1.0}}};
   page.marks.loops = {{0, 1, Verdict::kAccepted, "", LoopSource::kPosition}};
   DoubtMark doubt;
   doubt.kind = "degenerate";
-  doubt.way_map = {{5.0, 5.0, 1.0}, {8.0, 8.0, 1.0}};
+  doubt.path_map = {{5.0, 5.0, 1.0}, {8.0, 8.0, 1.0}};
   page.marks.doubts = {doubt};
   constexpr Stamp kDay = 86'400'000'000'000;
   using moving_objects::ChangeKind;

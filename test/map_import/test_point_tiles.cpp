@@ -31,7 +31,7 @@ TEST(PointTiles, GiveAllPointsBackSquareBySquare) {
   EXPECT_EQ(tiles.thinned(), 120U);
   ASSERT_EQ(tiles.indices().size(), 4U);
   double x = -59.5;
-  for (const TileIndex& index : tiles.indices()) {
+  for (const PointTileIndex& index : tiles.indices()) {
     const PointTilePtr tile = tiles.tile(index);
     for (const Point& point : tile->cloud.points) {
       const Eigen::Vector3d p = tile->origin + point.position().cast<double>();
@@ -77,7 +77,7 @@ TEST(PointTiles, AreFoundAroundAPosition) {
   const auto near_zero = tiles.indices_around({1.0, 1.0, 0.0}, 80.0);
   ASSERT_EQ(near_zero.size(), 5U) << "from -79 to 81";
   EXPECT_EQ(near_zero.front().column, -2);
-  for (const TileIndex& index : near_zero) EXPECT_EQ(index.row, 0);
+  for (const PointTileIndex& index : near_zero) EXPECT_EQ(index.row, 0);
   EXPECT_TRUE(tiles.indices_around({1.0, -200.0, 0.0}, 80.0).empty());
 }
 
@@ -94,7 +94,7 @@ TEST(PointTiles, AreReadAgainWhenTheCacheIsFull) {
   tiles.finish();
   EXPECT_EQ(tiles.thinned(), 7U * kPerTile);
   const PointTilePtr first = tiles.tile(tiles.indices().front());
-  for (const TileIndex& index : tiles.indices()) {
+  for (const PointTileIndex& index : tiles.indices()) {
     const PointTilePtr tile = tiles.tile(index);
     ASSERT_EQ(tile->cloud.size(), static_cast<std::size_t>(kPerTile));
     EXPECT_EQ(tile->cloud.points.back().z, static_cast<float>(index.column));

@@ -183,7 +183,7 @@ TEST_F(LocalizationNode, GivesTheMatchedPointsWithTheirAgreement) {
   EXPECT_EQ(cloud->header.frame_id, "map");
   const auto& scan = *at_stamp(seen.messages, cloud->header.stamp);
   const registration::NdtPoints points =
-      localization::ScanSampler().sample(ros_border::from_message(scan), *p_base_lidar()).all;
+      localization::ScanPointSampler().sample(ros_border::from_message(scan), *p_base_lidar()).all;
   ASSERT_EQ(cloud->width * cloud->height, points.size());
   const auto& pose = *at_stamp(pose_.messages, cloud->header.stamp);
   expect_points_in_the_map(*cloud, points, from_message(pose.pose.pose));

@@ -35,14 +35,14 @@ inline Stamp stamp_after(Stamp begin, std::size_t key_frames) {
 }
 
 /// Position along the street, m, after so many steps from the beginning of the map.
-inline double street_way(int steps) { return steps * kStreetStep; }
+inline double street_length(int steps) { return steps * kStreetStep; }
 
 /// Poses of a map from x = 0 on, with the numbers 0, 1, ...
 inline KeyFramePoses street_map(std::size_t key_frames = 51) {
   KeyFramePoses map;
   map.revision = 1;
   for (std::size_t i = 0; i < key_frames; ++i) {
-    const Pose T_map_base = on_street(street_way(static_cast<int>(i)));
+    const Pose T_map_base = on_street(street_length(static_cast<int>(i)));
     map.poses.push_back({static_cast<KeyFrameIndex>(i), stamp_after(kMapBegin, i), T_map_base});
   }
   return map;
@@ -74,7 +74,7 @@ inline std::vector<LocalizedKeyFrame> street_drive(const std::string& letters, i
                                                    std::size_t first_index = 0) {
   std::vector<LocalizedKeyFrame> drive;
   for (std::size_t i = 0; i < letters.size(); ++i) {
-    const Pose T_map_base = on_street(street_way(begin + static_cast<int>(i)), 1.0);
+    const Pose T_map_base = on_street(street_length(begin + static_cast<int>(i)), 1.0);
     KeyFrame key_frame;
     key_frame.index = static_cast<KeyFrameIndex>(first_index + i);
     key_frame.segment = segment;

@@ -90,14 +90,14 @@ TEST_F(MapExtenderTest, AddsWhatIsNewAndLeavesTheMapWhereItIs) {
     EXPECT_TRUE(near(poses.poses[i].T_map_base, street_map().poses[i].T_map_base, kTolerance));
   }
   for (std::size_t i = 0; i < 35; ++i) {
-    const Pose truth = on_street(street_way(35 + static_cast<int>(i)), 1.0);
+    const Pose truth = on_street(street_length(35 + static_cast<int>(i)), 1.0);
     EXPECT_TRUE(near(poses.poses[51 + i].T_map_base, truth, kTolerance)) << i;
   }
   EXPECT_EQ(opened(map()).key_frame_count(), 51U);
   EXPECT_EQ(left_behind(), (std::vector<std::string>{"extended", "map"}));
 }
 
-TEST_F(MapExtenderTest, StoresTiesAsLoopsAndTheStretchAsASegmentOfItsOwn) {
+TEST_F(MapExtenderTest, StoresTiesAsLoopsAndTheSectionAsASegmentOfItsOwn) {
   ASSERT_TRUE(extend(street_drive(times(30, 'f') + times(20, 'b'), 20)).is_written());
   const Session session = opened(extended());
   const std::vector<Loop> loops = session.loops();
@@ -116,7 +116,7 @@ TEST_F(MapExtenderTest, StoresTiesAsLoopsAndTheStretchAsASegmentOfItsOwn) {
 }
 
 // Each tie says something else, by metres, and odometry agrees with one of them at most.
-TEST_F(MapExtenderTest, LeavesOutAStretchWhoseTiesContradictEachOther) {
+TEST_F(MapExtenderTest, LeavesOutASectionWhoseTiesContradictEachOther) {
   auto drive = street_drive(times(30, 'f') + times(20, 'b'), 20);
   double shift = 4.0;
   for (const std::size_t tied : {15, 18, 21, 24, 27}) {
@@ -125,7 +125,7 @@ TEST_F(MapExtenderTest, LeavesOutAStretchWhoseTiesContradictEachOther) {
   }
   const ExtensionReport report = extend(drive);
   EXPECT_FALSE(report.is_written());
-  EXPECT_NEAR(report.extension.left_out.not_tied, street_way(20), 1e-6);
+  EXPECT_NEAR(report.extension.omitted.not_tied, street_length(20), 1e-6);
   EXPECT_EQ(left_behind(), std::vector<std::string>{"map"});
 }
 

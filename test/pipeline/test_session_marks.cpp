@@ -65,13 +65,13 @@ class SessionMarks : public testing::Test {
   KeyFramePoses poses_;
 };
 
-TEST_F(SessionMarks, HaveTheWayWithItsSegments) {
+TEST_F(SessionMarks, HaveThePathWithItsSegments) {
   const DriveMarks marks = session_marks(session_, poses_);
-  ASSERT_EQ(marks.way.size(), 6U);
-  EXPECT_EQ(marks.way[2].segment, 0U);
-  EXPECT_EQ(marks.way[3].segment, 1U);
-  EXPECT_EQ(marks.way[3].stamp, stamp_of(3));
-  EXPECT_EQ(marks.way[3].p_map.x(), 30.0);
+  ASSERT_EQ(marks.path.size(), 6U);
+  EXPECT_EQ(marks.path[2].segment, 0U);
+  EXPECT_EQ(marks.path[3].segment, 1U);
+  EXPECT_EQ(marks.path[3].stamp, stamp_of(3));
+  EXPECT_EQ(marks.path[3].p_map.x(), 30.0);
   EXPECT_TRUE(marks.doubts.empty()) << "without doubt.csv there is no doubt";
 }
 
@@ -92,20 +92,20 @@ TEST_F(SessionMarks, LeaveOutLoopsOfKeyFramesWithoutAPose) {
 }
 
 // A doubtful section may have no key frame at all: then it leads to the next one.
-TEST_F(SessionMarks, FollowTheWayThroughADoubtfulSection) {
+TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
   write_doubtful_section(1.5, 3.5);
   DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
   EXPECT_EQ(doubt.kind, "degenerate");
   EXPECT_FALSE(doubt.is_trusted);
   EXPECT_EQ(doubt.expected_error, 0.5);
-  ASSERT_EQ(doubt.way_map.size(), 4U);
-  EXPECT_EQ(doubt.way_map[0].x(), 15.0);
-  EXPECT_EQ(doubt.way_map[3].x(), 40.0);
+  ASSERT_EQ(doubt.path_map.size(), 4U);
+  EXPECT_EQ(doubt.path_map[0].x(), 15.0);
+  EXPECT_EQ(doubt.path_map[3].x(), 40.0);
 
   write_doubtful_section(1.2, 1.4);
   doubt = session_marks(session_, poses_).doubts.at(0);
-  ASSERT_EQ(doubt.way_map.size(), 2U);
-  EXPECT_EQ(doubt.way_map[1].x(), 20.0);
+  ASSERT_EQ(doubt.path_map.size(), 2U);
+  EXPECT_EQ(doubt.path_map[1].x(), 20.0);
 }
 
 }  // namespace

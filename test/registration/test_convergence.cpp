@@ -56,7 +56,7 @@ TEST_P(Convergence, SucceedsNearbyAndSaysSoElsewhere) {
 INSTANTIATE_TEST_SUITE_P(All, Convergence, testing::ValuesIn(kAllMethods), method_name);
 
 // 1 cm, not the root of it: no step is longer than 0.1 m, so the first one would be the last.
-TEST(PclNdt, TakesTheEpsilonOfTheArticlesAsALength) {
+TEST(PclNdt, TakesTheEpsilonOfLidarLocalizationAsALength) {
   const Scene scene = make_scene(0.05);
   RegistrationConfig config;
   config.method = Method::kPclNdt;

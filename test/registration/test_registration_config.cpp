@@ -12,7 +12,7 @@ RegistrationConfig load_text(const std::string& text) {
 }
 
 // Parameters of the ancestors must not be read as something else, or silently ignored.
-TEST(RegistrationConfig, ReadsTheParametersOfTheArticles) {
+TEST(RegistrationConfig, ReadsTheParametersOfLidarLocalization) {
   const RegistrationConfig config =
       load_text("NDT: {res: 1.5, step_size: 0.2, trans_eps: 0.02, max_iter: 40}\n");
   EXPECT_EQ(config.resolution, 1.5);
@@ -42,9 +42,9 @@ TEST(RegistrationConfig, ReadsTheParametersOfHdlGraphSlam) {
 TEST(RegistrationConfig, SaysWhichMethodStandsForAForeignName) {
   const RegistrationConfig config = load_text("registration_method: GICP_OMP\n");
   EXPECT_EQ(implemented_by(config.method), Method::kGicp);
-  EXPECT_EQ(method_notice(config),
+  EXPECT_EQ(describe_substitution(config),
             "registration_method GICP_OMP is hdl_graph_slam's; GICP does its work here");
-  EXPECT_EQ(method_notice(load_text("registration_method: ICP\n")), "");
+  EXPECT_EQ(describe_substitution(load_text("registration_method: ICP\n")), "");
 }
 
 TEST(RegistrationConfig, KnowsTheMethodsOfHdlGraphSlam) {

@@ -20,7 +20,7 @@ Json figures_of(const ExaminedDrive& drive) { return examination_figures(drive, 
 /// Sections of the map with the scans of a drive.
 std::vector<ExaminedSection> sections_of(const ExaminedDrive& drive) {
   const KeyFramePoses map = straight_map();
-  return examined_sections(drive.scans, places_of(drive.scans, map), map);
+  return examined_sections(drive.scans, locations_of(drive.scans, map), map);
 }
 
 /// Moves the poses in the map from a scan on to the left; odometry knows nothing of it.

@@ -102,7 +102,7 @@ TEST_F(ReportFigures, HaveALineForEachKeyFrame) {
   std::string line;
   std::getline(table, line);
   EXPECT_EQ(line,
-            "key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m,sigma_first_deg,"
+            "key_frame,stamp_ns,x,y,z,path_length_m,part,doubtful,sigma_first_m,sigma_first_deg,"
             "sigma_previous_m,sigma_previous_deg");
   std::getline(table, line);
   EXPECT_NE(line.find(",0,no,0.000000,0.000000,0.000000,0.000000"), std::string::npos) << line;
@@ -126,9 +126,9 @@ TEST_F(ReportFigures, NameTheScansThatWereNotTracked) {
   const json::Json figures = scan_figures(report_input(session_));
   EXPECT_EQ(figures["dropped"], 3);
   EXPECT_EQ(figures["states"]["lost"], 2);
-  ASSERT_EQ(figures["stretches"].size(), 1U);
-  EXPECT_EQ(figures["stretches"][0]["scans"], 2);
-  EXPECT_NEAR(figures["stretches"][0]["begin_s"], 0.4, 1e-9);
+  ASSERT_EQ(figures["sections"].size(), 1U);
+  EXPECT_EQ(figures["sections"][0]["scans"], 2);
+  EXPECT_NEAR(figures["sections"][0]["begin_s"], 0.4, 1e-9);
 }
 
 // The front end was restarted at the third scan, and counts from 0 again.

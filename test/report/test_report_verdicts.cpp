@@ -18,11 +18,11 @@ json::Json thickness(double median, double within, const json::Json& ratio) {
 json::Json good_report() {
   return {{"thickness",
            {{"walls", thickness(0.014, 0.013, 1.05)}, {"ground", thickness(0.004, 0.004, 1.1)}}},
-          {"ghosts", json::Json::array({{{"along_m", 0.01},
-                                         {"left_m", 0.01},
-                                         {"up_m", 0.0},
-                                         {"yaw_deg", 0.0},
-                                         {"size_m", 0.014}}})},
+          {"misalignments", json::Json::array({{{"along_m", 0.01},
+                                                {"left_m", 0.01},
+                                                {"up_m", 0.0},
+                                                {"yaw_deg", 0.0},
+                                                {"size_m", 0.014}}})},
           {"loops",
            {{"used", 10},
             {"dropped_by_graph", 0},
@@ -43,7 +43,7 @@ json::Json good_report() {
             {"not_tied", 0},
             {"doubtful", 0},
             {"longest_without_constraint", {{"length_m", 10.0}, {"begin_m", 0.0}}}}},
-          {"doubt", {{"stretches", json::Json::array()}, {"warnings", json::Json::array()}}},
+          {"doubt", {{"sections", json::Json::array()}, {"warnings", json::Json::array()}}},
           {"examinations", json::Json::array()},
           {"truth", nullptr}};
 }
@@ -79,7 +79,7 @@ TEST(ReportVerdicts, AreGoodForAGoodMap) {
 TEST(ReportVerdicts, SayWhereToLook) {
   json::Json report = good_report();
   report["thickness"]["walls"] = thickness(0.03, 0.013, nullptr);
-  report["ghosts"][0]["up_m"] = -0.06;
+  report["misalignments"][0]["up_m"] = -0.06;
   report["loops"]["dropped_by_graph"] = 1;
   report["gnss"]["p95_horizontal_m"] = 0.5;
   report["trajectory"]["odometry_max_m"] = 11.0;
@@ -94,14 +94,14 @@ TEST(ReportVerdicts, SayWhereToLook) {
 
 TEST(ReportVerdicts, CannotBeGoodWhereTheMotionWasNotObserved) {
   json::Json report = good_report();
-  report["doubt"]["stretches"].push_back(section(true, 0.2));
+  report["doubt"]["sections"].push_back(section(true, 0.2));
   EXPECT_EQ(verdict_on(report, "Motion observed"), true);
-  report["doubt"]["stretches"].push_back(section(false, 20.0));
+  report["doubt"]["sections"].push_back(section(false, 20.0));
   report["verdicts"] = verdicts(report);
   EXPECT_EQ(verdict_on(report, "Motion observed"), false);
   EXPECT_EQ(report["verdicts"].back()["value"], "not between 12.3 and 40.1 s, error 20.0 m");
   EXPECT_EQ(overall_verdict(report), "Look at: Motion observed");
-  report["doubt"]["stretches"].push_back(section(false, nullptr));
+  report["doubt"]["sections"].push_back(section(false, nullptr));
   EXPECT_EQ(verdicts(report).back()["value"], "lost at 12.3 s, parts not connected");
 }
 
@@ -127,7 +127,7 @@ TEST(ReportVerdicts, SayWhereThePosesAreKnownLeast) {
 // Nothing measured is neither good nor bad.
 TEST(ReportVerdicts, SayNothingOfWhatIsNotThere) {
   json::Json report = good_report();
-  report["ghosts"] = json::Json::array();
+  report["misalignments"] = json::Json::array();
   report["gnss"]["positions"] = 0;
   report["loops"] = {
       {"used", 0}, {"dropped_by_graph", 0}, {"refused_or_undecided", 0}, {"max_residual_m", 0.0}};
@@ -167,7 +167,7 @@ TEST(ReportVerdicts, AreSummedUp) {
   EXPECT_EQ(overall_verdict(report), "Good: nothing that has to be checked");
   report["scans"]["dropped"] = 2;
   report["uncertainty"]["largest"]["sigma_m"] = 0.6;
-  report["ghosts"] = json::Json::array();
+  report["misalignments"] = json::Json::array();
   report["verdicts"] = verdicts(report);
   EXPECT_EQ(overall_verdict(report),
             "Look at: Scans, Pose uncertainty; no place was driven twice, so only local quality "

@@ -414,7 +414,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   result.status.sweep_times.source = front_end::SweepTimes::kNegated;
   result.status.gyro_distrusted = true;
   result.status.velocity_distrusted = true;
-  result.status.unseen_way = -2.5;
+  result.status.vertical_ride_distance = -2.5;
   result.status.seconds = 0.05;
   result.status.step_seconds = {{"match", 0.02}, {"map", 0.01}};
   result.key_frame = KeyFrame();
@@ -440,7 +440,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   EXPECT_EQ(message.sweep_times, "negated");
   EXPECT_TRUE(message.gyro_distrusted);
   EXPECT_TRUE(message.velocity_distrusted);
-  EXPECT_EQ(message.unseen_way, -2.5);
+  EXPECT_EQ(message.vertical_ride_distance, -2.5);
   EXPECT_EQ(message.seconds, 0.05);
   EXPECT_TRUE(message.key_frame);
   EXPECT_EQ(message.key_frame_index, 8U);

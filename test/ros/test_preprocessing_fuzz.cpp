@@ -202,7 +202,7 @@ TEST(PreprocessingFuzz, SurvivesAnythingAndCountsEveryDrop) {
     const auto& counters = stage.counters();
     EXPECT_EQ(counters.scans_in, counters.scans_out + counters.scans_without_extrinsic +
                                      counters.scans_without_points + counters.scans_out_of_order +
-                                     counters.scans_forgotten)
+                                     counters.scans_discarded)
         << "seed " << seed;
     EXPECT_LE(counters.scans_in, tally.clouds) << "seed " << seed;
     EXPECT_GT(tally.unreadable, 0U);

@@ -177,10 +177,10 @@ TEST(LocalizationFiles, DoNotLieInTheNewSession) {
 
 TEST(ExtensionText, SaysWhatWasAddedAndWhatWasLeftOut) {
   pipeline::ExtensionReport report;
-  report.extension.stretches.resize(1);
-  report.extension.stretches[0].new_way = 84.2;
-  report.extension.stretches[0].ties.resize(6);
-  report.extension.left_out.too_short = 8.4;
+  report.extension.sections.resize(1);
+  report.extension.sections[0].new_path_length = 84.2;
+  report.extension.sections[0].ties.resize(6);
+  report.extension.omitted.too_short = 8.4;
   report.key_frames = 57;
   report.largest_move = 0.0031;
   EXPECT_EQ(extension_text(report, "town"),
@@ -195,8 +195,8 @@ TEST(ExtensionText, SaysWhyNoSessionIsWritten) {
   pipeline::ExtensionReport report;
   EXPECT_EQ(extension_text(report, "town"),
             "nothing of the drive is new to the map, so no session is written\n");
-  report.extension.left_out.never_found = 120.0;
-  report.extension.left_out.not_tied = 40.0;
+  report.extension.omitted.never_found = 120.0;
+  report.extension.omitted.not_tied = 40.0;
   EXPECT_EQ(extension_text(report, "town"),
             "nothing could be added to the map, so no session is written\n"
             "left out: 120 m from which odometry leads to no place that was found in the map; 40 m "

@@ -85,7 +85,8 @@ TEST_F(MapQualityCommand, WritesHowWellEachKeyFrameIsKnown) {
   ASSERT_EQ(run("map_quality", {session_, "--key-frames", file}), 0) << said();
   EXPECT_TRUE(has_said("m from the first key frame (key frame ")) << said();
   const std::string table = content_of(file);
-  EXPECT_EQ(table.find("key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m"), 0U) << table;
+  EXPECT_EQ(table.find("key_frame,stamp_ns,x,y,z,path_length_m,part,doubtful,sigma_first_m"), 0U)
+      << table;
   EXPECT_GT(std::count(table.begin(), table.end(), '\n'), 5) << table;
   EXPECT_EQ(run("map_quality", {session_, "--key-frames", folder_.path()}), 1) << "a folder";
 }

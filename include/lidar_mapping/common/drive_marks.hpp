@@ -8,8 +8,8 @@
 
 namespace lidar_mapping {
 
-/// Where a key frame lies on the way of the vehicle.
-struct WayPoint {
+/// Where a key frame lies on the path of the vehicle.
+struct PathPoint {
   KeyFrameIndex index = 0;    ///< that of the key frame
   std::uint32_t segment = 0;  ///< of the drive: a merged session has at least one for each drive
   Stamp stamp = 0;            ///< that of the key frame
@@ -33,12 +33,12 @@ struct DoubtMark {
   double length = 0.0;          ///< of its path, m
   double expected_error = 0.0;  ///< standard deviation of the position, m; infinite if unknown
   bool is_trusted = true;       ///< false: the map must not be relied on there
-  std::vector<Eigen::Vector3d> way_map;  ///< its course in the map frame, m
+  std::vector<Eigen::Vector3d> path_map;  ///< its course in the map frame, m
 };
 
 /// What a display or a GIS shows beside the points of a map.
 struct DriveMarks {
-  std::vector<WayPoint> way;      ///< all key frames, by index
+  std::vector<PathPoint> path;    ///< all key frames, by index
   std::vector<LoopMark> loops;    ///< loops with their verdicts
   std::vector<DoubtMark> doubts;  ///< sections that may be wrong
 };

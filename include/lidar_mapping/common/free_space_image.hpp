@@ -28,7 +28,7 @@ class FreeSpaceImage {
   /// True if the point is a violation and each of the three rows around it has a return. At the
   /// edge of the field of view, where one has none, the ground may lie between the last return and
   /// the point.
-  bool saw_through(const Eigen::Vector3f& p) const;
+  bool is_certain_violation(const Eigen::Vector3f& p) const;
 
  private:
   struct Cell {

@@ -54,7 +54,7 @@ struct FrontEndStatus {
   /// are counted instead (SweepClock); otherwise 0.
   double stamp_jitter = 0.0;
   /// Where the times of the points come from; other than as given if these were found wrong
-  /// (SweepTimesTrial).
+  /// (SweepTimesValidator).
   SweepTimesRule sweep_times;
   /// The gyro predicts the matches worse than a prediction without it does, so it is not used
   /// (GyroValidator).
@@ -63,7 +63,7 @@ struct FrontEndStatus {
   bool velocity_distrusted = false;
   /// Vertical distance travelled so far according to the accelerometer alone, m: the points did not
   /// show this motion (VerticalRideDetector).
-  double unseen_way = 0.0;
+  double vertical_ride_distance = 0.0;
   /// Probability, 0 to 1, that the step from the last scan with a claimed pose is correct within
   /// three of its own standard deviations (StepBelief).
   double probability = 1.0;

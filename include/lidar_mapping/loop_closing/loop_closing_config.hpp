@@ -92,7 +92,7 @@ struct LoopClosingConfig {
   /// [m] Points without a partner within this range do not count in the fitness.
   double fitness_score_max_range = 2.0;
   /// [m] Two unconnected segments are connected once loops agree over such a path length.
-  double unanchored_stretch = 100.0;
+  double unanchored_path_length = 100.0;
   /// [m] Lower limit of a loop's standard deviation in translation.
   double min_stddev_x = 0.05;
   /// [rad] Lower limit of a loop's standard deviation in rotation.

@@ -56,8 +56,8 @@ struct ProductOptions {
   /// Keeps the points of what later visits have looked through. Without the position of the LiDAR,
   /// and with `keep_moving`, they are kept in any case.
   bool keep_outdated = false;
-  /// Gives the way, the loops and the doubtful sections for formats that show them; empty: these
-  /// show the way alone. Called when a format needs it.
+  /// Gives the path, the loops and the doubtful sections for formats that show them; empty: these
+  /// show the path alone. Called when a format needs it.
   std::function<DriveMarks()> marks;
   bool save_removed = false;  ///< Writes the points of moving objects to moving_objects.pcd.
 };

@@ -25,7 +25,7 @@ struct ExtensionReport {
   double largest_move = 0.0;   ///< How far the key frames of the map moved at most, m.
 
   /// Whether there is a new session.
-  bool is_written() const { return !extension.stretches.empty(); }
+  bool is_written() const { return !extension.sections.empty(); }
 };
 
 /// A hidden folder beside a session that is to be written, for the clouds of a MapExtender: they

@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::pipeline {
 
-/// What a session knows of the way of the vehicle, its loops, and the sections of doubt.csv.
+/// What a session knows of the path of the vehicle, its loops, and the sections of doubt.csv.
 /// `poses` places the key frames; those that it does not hold are left out, and loops with them.
 /// Throws FileError, and InputError for a doubt.csv that cannot be read; a session without one has
 /// no doubtful sections.

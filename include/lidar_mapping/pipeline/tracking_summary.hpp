@@ -34,7 +34,7 @@ struct TrackedStep {
   Eigen::Vector3d p_odom_base = Eigen::Vector3d::Zero();
   double unobserved_stddev = 0.0;  ///< FrontEndStatus::unobserved_stddev, m.
   double probability = -1.0;       ///< Probability that the step is right; negative if unknown.
-  /// Whether the scan before is of another drive, from which no way leads here.
+  /// Whether the scan before is of another drive, from which no path leads here.
   bool begins_drive = false;
 };
 

@@ -60,7 +60,7 @@ struct PreprocessingCounters {
   std::size_t scans_without_points = 0;     ///< fewer than min_points after filtering
   std::size_t scans_out_of_order = 0;       ///< dropped for their stamp: older, equal or stray
   std::size_t scans_waiting_too_long = 0;   ///< completed early: the queue was full
-  std::size_t scans_forgotten = 0;          ///< were waiting when time went back
+  std::size_t scans_discarded = 0;          ///< were waiting when time went back
   std::size_t scans_deskewed = 0;           ///< motion fully compensated, so without times
   std::size_t points_not_finite = 0;        ///< left out
   std::size_t samples_refused = 0;          ///< not finite, duplicate or out of order

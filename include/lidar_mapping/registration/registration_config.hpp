@@ -68,7 +68,7 @@ Method implemented_by(Method method);
 
 /// A sentence that names the method in use, if the configured name is that of another system; else
 /// empty.
-std::string method_notice(const RegistrationConfig& config);
+std::string describe_substitution(const RegistrationConfig& config);
 
 /// The name of a method as configuration files write it.
 std::string to_string(Method method);

@@ -48,7 +48,7 @@ class LocalMapper {
   void mark_open_field(const Pose& T_map_sensor) { ring_spacing_.mark_open_field(T_map_sensor); }
 
   /// To be called if the pose has jumped within the map.
-  void forget_views() { moving_points_.clear(); }
+  void reset_views() { moving_points_.clear(); }
 
   const ElevationCalibration& elevation() const { return elevation_; }
   /// Finds points on what moves, by the scans that were inserted.

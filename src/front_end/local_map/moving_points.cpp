@@ -71,7 +71,7 @@ PointMarks MovingPointFinder::find(const SampledPoints& points, const MotionStat
         if (marks[i] != 0) continue;
         const Eigen::Vector3f p = T_view_origin * measured.position(i);
         if (p.squaredNorm() > kMaxRange * kMaxRange) continue;
-        marks[i] = view.image.saw_through(p) ? 1 : 0;
+        marks[i] = view.image.is_certain_violation(p) ? 1 : 0;
       }
     }
   };

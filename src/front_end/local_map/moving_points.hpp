@@ -15,7 +15,7 @@ namespace lidar_mapping::front_end {
 /// mark_planes() adds the rest.
 class MovingPointFinder {
  public:
-  /// Forgets all views: the poses that follow belong to another map.
+  /// Removes all views: the poses that follow belong to another map.
   void clear() { views_.clear(); }
   /// Keeps what the scan saw as free if the sensor has moved on far enough since the last view.
   void add_view(const SampledPoints& points, const registration::MotionState& motion);

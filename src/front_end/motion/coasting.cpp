@@ -30,7 +30,7 @@ FrontEndStatus status_of_drive(const FrontEndStatus& before) {
   status.sweep_times = before.sweep_times;
   status.gyro_distrusted = before.gyro_distrusted;
   status.velocity_distrusted = before.velocity_distrusted;
-  status.unseen_way = before.unseen_way;
+  status.vertical_ride_distance = before.vertical_ride_distance;
   return status;
 }
 

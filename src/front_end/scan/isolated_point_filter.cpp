@@ -115,7 +115,7 @@ void RangeGrid::clear(std::size_t points) {
   table_.assign(std::size_t{1} << bits, 0U);
 }
 
-inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
+inline RangeGrid::GridPosition RangeGrid::position_of(const Point& point) const {
   const float x = point.x, y = point.y, z = point.z;
   const float squared = x * x + y * y + z * z;
   std::int32_t bits = 0;
@@ -139,10 +139,10 @@ inline std::size_t RangeGrid::find(std::uint32_t key) const {
 
 void RangeGrid::insert(const Point* points, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
-    const Place place = place_of(points[i]);
-    if (place.level == 0) continue;
+    const GridPosition position = position_of(points[i]);
+    if (position.level == 0) continue;
     const std::uint32_t key =
-        key_of(place.level, cell_of(place.x), cell_of(place.y), cell_of(place.z));
+        key_of(position.level, cell_of(position.x), cell_of(position.y), cell_of(position.z));
     // Without branches: every other one would be predicted wrongly.
     std::uint32_t& entry = table_[find(key)];
     const std::uint32_t before = entry == 0 ? key << kCountBits : entry;
@@ -155,19 +155,20 @@ inline std::uint32_t RangeGrid::count_at(std::uint32_t key) const {
 }
 
 bool RangeGrid::is_isolated(const Point& point) const {
-  const Place place = place_of(point);
-  if (place.level == 0) return false;
-  const std::uint32_t x = cell_of(place.x), y = cell_of(place.y), z = cell_of(place.z);
-  std::uint32_t count = count_at(key_of(place.level, x, y, z));
+  const GridPosition position = position_of(point);
+  if (position.level == 0) return false;
+  const std::uint32_t x = cell_of(position.x), y = cell_of(position.y), z = cell_of(position.z);
+  std::uint32_t count = count_at(key_of(position.level, x, y, z));
   if (count >= kMinSupport) return false;
   // The neighbour on the nearer side of each axis.
   const auto beside = [](float value, std::uint32_t cell) {
     return value - static_cast<float>(cell) < 0.5F ? cell - 1 : cell + 1;
   };
-  const std::uint32_t nx = beside(place.x, x), ny = beside(place.y, y), nz = beside(place.z, z);
+  const std::uint32_t nx = beside(position.x, x), ny = beside(position.y, y),
+                      nz = beside(position.z, z);
   for (std::uint32_t corner = 1; corner < 8 && count < kMinSupport; ++corner) {
-    count += count_at(key_of(place.level, (corner & 1U) != 0 ? nx : x, (corner & 2U) != 0 ? ny : y,
-                             (corner & 4U) != 0 ? nz : z));
+    count += count_at(key_of(position.level, (corner & 1U) != 0 ? nx : x,
+                             (corner & 2U) != 0 ? ny : y, (corner & 4U) != 0 ? nz : z));
   }
   return count < kMinSupport;
 }

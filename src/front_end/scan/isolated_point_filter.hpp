@@ -32,12 +32,12 @@ class RangeGrid {
 
  private:
   /// Position of a point in the grid of its range; level 0 for none.
-  struct Place {
+  struct GridPosition {
     std::uint32_t level = 0;
     float x = 0.0F, y = 0.0F, z = 0.0F;  ///< in edge lengths of the level's cubes, positive
   };
 
-  Place place_of(const Point& point) const;
+  GridPosition position_of(const Point& point) const;
   std::size_t find(std::uint32_t key) const;
   std::uint32_t count_at(std::uint32_t key) const;
 

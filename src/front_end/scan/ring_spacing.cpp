@@ -38,9 +38,9 @@ constexpr double kOpenFieldRadius = 60.0;
 using Sector = std::bitset<kBins>;
 
 /// The elevations at which a scan has points, from -45 to 45 degrees.
-std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
-                                             const Eigen::Vector3d& p_base_sensor) {
-  std::array<Sector, kSectors> seen;
+std::array<Sector, kSectors> observed_elevations(const PointCloud& cloud,
+                                                 const Eigen::Vector3d& p_base_sensor) {
+  std::array<Sector, kSectors> observed;
   const std::size_t step = (cloud.size() / kEnough) | 1U;
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     const Eigen::Vector3d p = cloud.points[i].position().cast<double>() - p_base_sensor;
@@ -50,9 +50,9 @@ std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
     if (bin < 0.0 || bin >= kBins) continue;
     const double turn = std::atan2(p.y(), p.x()) / (2.0 * kPi) + 0.5;
     const auto sector = static_cast<std::size_t>(turn * kSectors);
-    seen[std::min(sector, kSectors - 1)].set(static_cast<std::size_t>(bin));
+    observed[std::min(sector, kSectors - 1)].set(static_cast<std::size_t>(bin));
   }
-  return seen;
+  return observed;
 }
 
 /// Number of bins from the lowest to the highest occupied one, per run of occupied bins. 0 if too
@@ -76,7 +76,7 @@ double bins_per_ring(const Sector& sector) {
 /// the sectors with narrow spacing.
 double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_sensor) {
   std::vector<double> found;
-  for (const Sector& sector : seen_elevations(cloud, p_base_sensor)) {
+  for (const Sector& sector : observed_elevations(cloud, p_base_sensor)) {
     const double bins = bins_per_ring(sector);
     if (bins >= 0.0) found.push_back(bins);
   }

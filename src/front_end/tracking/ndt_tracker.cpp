@@ -107,7 +107,7 @@ SweepMatcher::Found NdtTracker::match_without_moving_points(SweepMatcher::Found 
 StepMatch NdtTracker::match_from_vertical_structure(const MotionFilter& recovered) {
   state_.filter = recovered;
   initialization_.finalize();
-  mapper_.forget_views();
+  mapper_.reset_views();
   judge_.reset_usual_quality();
   const MotionBelief prior = recovered.belief();
   return {matcher_.match_without(sweep_.points(), state_.map, prior, prior.state, kLevelDirections),

@@ -223,7 +223,7 @@
       const groups = this.overlay.groups;
       lm.showControls({colour: this.points.colour, flying: this.camera.flying, measuring: this.ruler.active,
         budget: this.points.budget / 1e6,
-        marks: {way: groups.way.visible, loops: groups.loops.visible, doubts: groups.doubts.visible,
+        marks: {path: groups.path.visible, loops: groups.loops.visible, doubts: groups.doubts.visible,
           changes: groups.changes.visible}});
       lm.showLegend(this.points, this.marks);
       lm.showLoad(this.points);

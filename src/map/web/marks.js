@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is drawn over the points: ways, loops, doubtful stretches, changes, the ruler.
+// What is drawn over the points: paths, loops, doubtful sections, changes, the ruler.
 (function (lm) {
   'use strict';
 
@@ -60,8 +60,8 @@
   };
   lm.screen = {value: new THREE.Vector2(1, 1)};  // half of the canvas, pixels
 
-  function segmentsOf(way) {
-    return way.slice(1).map((p, i) => [way[i], p]);
+  function segmentsOf(path) {
+    return path.slice(1).map((p, i) => [path[i], p]);
   }
 
   /** The twelve edges of a box, whose corners are numbered by bits: 1 for x, 2 for y, 4 for z. */
@@ -97,10 +97,10 @@
   lm.markScene = function (marks, origin) {
     const local = p => p.map((v, i) => v - origin[i]);
     const scene = new THREE.Scene();
-    const groups = {way: new THREE.Group(), loops: new THREE.Group(), doubts: new THREE.Group(), changes: new THREE.Group()};
+    const groups = {path: new THREE.Group(), loops: new THREE.Group(), doubts: new THREE.Group(), changes: new THREE.Group()};
     marks.drives.forEach(drive => {
       const colour = marks.drives.length > 1 ? lm.driveColours[drive.number % lm.driveColours.length] : '#59b8ff';
-      groups.way.add(lm.wideLines(segmentsOf(drive.way.map(local)), colour, 2.5, 0.9));
+      groups.path.add(lm.wideLines(segmentsOf(drive.path.map(local)), colour, 2.5, 0.9));
     });
     const loopColours = {accepted: '#4fd27d', refused: '#ff5a4d', undecided: '#f0e26c'};
     for (const verdict of Object.keys(loopColours)) {
@@ -108,8 +108,8 @@
       groups.loops.add(lm.wideLines(loops.map(l => [local(l.from), local(l.to)]), loopColours[verdict], 2, 0.8));
     }
     for (const doubt of marks.doubts) {
-      const way = doubt.way.length > 1 ? doubt.way : [doubt.way[0], doubt.way[0].map((v, i) => v + (i === 2 ? 2 : 0))];
-      groups.doubts.add(lm.wideLines(segmentsOf(way.map(local)), doubt.trusted ? '#ffb454' : '#ff5a4d', 7, 0.85));
+      const path = doubt.path.length > 1 ? doubt.path : [doubt.path[0], doubt.path[0].map((v, i) => v + (i === 2 ? 2 : 0))];
+      groups.doubts.add(lm.wideLines(segmentsOf(path.map(local)), doubt.trusted ? '#ffb454' : '#ff5a4d', 7, 0.85));
     }
     for (const kind of Object.keys(changeColours)) {
       const edges = marks.changes.filter(c => c.kind === kind).flatMap(c => edgesOf(c.corners.map(local)));

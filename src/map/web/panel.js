@@ -67,7 +67,7 @@
     return `${doubt.kind}, ${doubt.length.toFixed(0)} m: ${error}${doubt.trusted ? '' : ', do not rely on it'}`;
   }
 
-  /** A button for each doubtful stretch; `go` gets its middle and its length. */
+  /** A button for each doubtful section; `go` gets its middle and its length. */
   lm.listDoubts = function (marks, origin, go) {
     const severity = d => (d.trusted ? 0 : 1e9) + (d.error === null ? 1e6 : d.error);
     const sorted = [...marks.doubts].sort((a, b) => severity(b) - severity(a)).slice(0, kDoubts);
@@ -75,7 +75,7 @@
       const button = document.createElement('button');
       button.textContent = doubtText(doubt);
       button.addEventListener('click', () => {
-        const middle = doubt.way[Math.floor(doubt.way.length / 2)].map((v, i) => v - origin[i]);
+        const middle = doubt.path[Math.floor(doubt.path.length / 2)].map((v, i) => v - origin[i]);
         go(new THREE.Vector3(...middle), Math.max(40, 1.5 * doubt.length));
       });
       $('doubts').append(button);

@@ -47,20 +47,20 @@ void LocalizationNode::load_first(const std::string& folder) {
 /// Reads a map in the loader's thread, and gives it to the worker. The map before stays in use
 /// until then, also if this one cannot be read. Throws Error.
 std::string LocalizationNode::load(const std::string& folder) {
-  auto place = std::make_shared<Place>(expanded_path(folder), config_.stage);
-  begin_recording(*place);
-  const double resolution = display_resolution(place->map.index().gaussians());
-  const auto cloud = std::make_shared<PointCloud>(place->map.cloud(resolution));
-  const std::string summary = summary_of(place->map);
-  context_.worker.post(requests_, [this, place, cloud] { use(place, *cloud); });
+  auto active_map = std::make_shared<ActiveMap>(expanded_path(folder), config_.stage);
+  begin_recording(*active_map);
+  const double resolution = display_resolution(active_map->map.index().gaussians());
+  const auto cloud = std::make_shared<PointCloud>(active_map->map.cloud(resolution));
+  const std::string summary = summary_of(active_map->map);
+  context_.worker.post(requests_, [this, active_map, cloud] { use(active_map, *cloud); });
   ROS_INFO_STREAM(summary);
   return summary;
 }
 
-void LocalizationNode::use(std::shared_ptr<Place> place, const PointCloud& cloud) {
-  place_ = std::move(place);
+void LocalizationNode::use(std::shared_ptr<ActiveMap> active_map, const PointCloud& cloud) {
+  active_map_ = std::move(active_map);
   path_.poses.clear();
-  context_.diagnostics.set("map", place_->map.directory().string());
+  context_.diagnostics.set("map", active_map_->map.directory().string());
   context_.diagnostics.set_state(Diagnostics::Level::kWarning, "waiting for scans");
   map_cloud_.publish(to_message(cloud, 0, config_.node.map_frame));
 }
@@ -68,9 +68,9 @@ void LocalizationNode::use(std::shared_ptr<Place> place, const PointCloud& cloud
 bool LocalizationNode::relocalize(Relocalize::Request&, Relocalize::Response& response) {
   return answered(response, [this] {
     return result_in(context_.worker, requests_, [this] {
-      if (!place_) throw InputError(loading_);
+      if (!active_map_) throw InputError(loading_);
       withdraw_place();
-      place_->localizer.restart();
+      active_map_->localizer.restart();
       Relocalize::Response given;
       given.success = true;
       given.message = "the place is searched for in the whole map";

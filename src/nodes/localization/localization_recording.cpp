@@ -55,23 +55,23 @@ void LocalizationNode::subscribe_drive() {
 
 /// Each map has a recording of its own. A map that cannot be extended is good for localisation all
 /// the same.
-void LocalizationNode::begin_recording(Place& place) {
+void LocalizationNode::begin_recording(ActiveMap& active_map) {
   if (!scratch_) {
-    place.why_not_recorded =
+    active_map.why_not_recorded =
         "nothing is recorded; start localization_node with record_session: true";
     return;
   }
   try {
-    place.recorder.emplace(std::make_shared<pipeline::MapExtender>(
-        place.map.directory(), scratch_->path() / std::to_string(++recordings_)));
+    active_map.recorder.emplace(std::make_shared<pipeline::MapExtender>(
+        active_map.map.directory(), scratch_->path() / std::to_string(++recordings_)));
   } catch (const Error& error) {
-    place.why_not_recorded = std::string("nothing is recorded: ") + error.what();
-    ROS_WARN_STREAM(place.why_not_recorded);
+    active_map.why_not_recorded = std::string("nothing is recorded: ") + error.what();
+    ROS_WARN_STREAM(active_map.why_not_recorded);
   }
 }
 
 DriveRecorder* LocalizationNode::present_recorder() {
-  return place_ && place_->recorder ? &*place_->recorder : nullptr;
+  return active_map_ && active_map_->recorder ? &*active_map_->recorder : nullptr;
 }
 
 void LocalizationNode::record(const RunKeyFrame& received) {
@@ -104,12 +104,12 @@ bool LocalizationNode::save_session(SaveSession::Request& request,
 }
 
 LocalizationNode::DriveSoFar LocalizationNode::drive_so_far() {
-  if (!place_) throw InputError(loading_);
+  if (!active_map_) throw InputError(loading_);
   key_frames_.flush();
   const DriveRecorder* const recorder = present_recorder();
-  if (recorder == nullptr) throw InputError(place_->why_not_recorded);
+  if (recorder == nullptr) throw InputError(active_map_->why_not_recorded);
   if (!is_found(recorder->drive())) {
-    throw InputError("the place was not found in the map " + place_->map.directory().string() +
+    throw InputError("the place was not found in the map " + active_map_->map.directory().string() +
                      " since the recording began, so nothing can be added to it; drive until "
                      "localization_status says following");
   }

@@ -64,7 +64,7 @@ void OusterInput::add_metadata(const std::string& metadata) {
 }
 
 void OusterInput::add_points(const WireMessage& packet) {
-  take(feed_.add_points(packet.bytes(), from_ros(packet.received)));
+  deliver(feed_.add_points(packet.bytes(), from_ros(packet.received)));
   if (!feed_.has_metadata() && losses().without_metadata > 0) warn_without_metadata();
 }
 
@@ -80,9 +80,9 @@ sensor_msgs::Imu OusterInput::imu_in(const WireMessage& packet) {
   return feed_.imu_in(packet.bytes(), from_ros(packet.received));
 }
 
-void OusterInput::finish() { take(feed_.finish()); }
+void OusterInput::finish() { deliver(feed_.finish()); }
 
-void OusterInput::take(const std::optional<RecordedCloud>& cloud) {
+void OusterInput::deliver(const std::optional<RecordedCloud>& cloud) {
   if (cloud) takers_.cloud(*cloud);
   report();
 }

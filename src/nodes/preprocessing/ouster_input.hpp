@@ -54,7 +54,7 @@ class OusterInput {
   void add_metadata(const std::string& metadata);
   void add_points(const WireMessage& packet);
   void add_imu(const WireMessage& packet);
-  void take(const std::optional<RecordedCloud>& cloud);
+  void deliver(const std::optional<RecordedCloud>& cloud);
   void warn_without_metadata();
   void report();
 

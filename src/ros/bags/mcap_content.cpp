@@ -16,11 +16,11 @@ namespace {
 /// Bytes in which the head of a chunk ends. Chosen: the names of compressions are short.
 constexpr std::uint64_t kLongestHead = 200;
 
-ChunkContent run_of_records(const FileBytes& file, const McapPlace& place, ChunkMemory& memory) {
+ChunkContent run_of_records(const FileBytes& file, const McapSpan& span, ChunkMemory& memory) {
   ChunkContent content;
-  content.size = place.end - place.position;
+  content.size = span.end - span.position;
   content.bytes = memory.take(content.size);
-  file.read(place.position, content.bytes.get(), content.size);
+  file.read(span.position, content.bytes.get(), content.size);
   return content;
 }
 
@@ -52,14 +52,14 @@ void check_crc(const McapChunkHead& head, const ChunkContent& content) {
   }
 }
 
-ChunkContent chunk(const FileBytes& file, const McapPlace& place, ChunkMemory& memory) {
-  const std::uint64_t begin = place.position + kMcapHead;
+ChunkContent chunk(const FileBytes& file, const McapSpan& span, ChunkMemory& memory) {
+  const std::uint64_t begin = span.position + kMcapHead;
   const std::vector<std::uint8_t> front =
-      file.read(begin, std::min(kLongestHead, place.end - begin));
+      file.read(begin, std::min(kLongestHead, span.end - begin));
   McapReader reader({front.data(), front.size()});
   const McapChunkHead head = mcap_chunk_head(reader);
   const std::uint64_t records = begin + reader.position();
-  check_sizes(head, place.end - records);
+  check_sizes(head, span.end - records);
   ChunkContent content;
   content.size = head.size;
   content.bytes = memory.take(content.size);
@@ -70,10 +70,10 @@ ChunkContent chunk(const FileBytes& file, const McapPlace& place, ChunkMemory& m
 
 }  // namespace
 
-ChunkContent mcap_content(const FileBytes& file, const McapPlace& place, ChunkMemory& memory) try {
-  return place.is_run ? run_of_records(file, place, memory) : chunk(file, place, memory);
+ChunkContent mcap_content(const FileBytes& file, const McapSpan& span, ChunkMemory& memory) try {
+  return span.is_run ? run_of_records(file, span, memory) : chunk(file, span, memory);
 } catch (const InputError& error) {
-  file.fail(error.what(), place.position);
+  file.fail(error.what(), span.position);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -25,22 +25,21 @@ class McapFile : public ChunkedRecording {
     const McapIndex index = mcap_index(file_);
     missing_ = index.missing;
     add_connections(index, topics);
-    add_places(index);
+    add_spans(index);
   }
 
   std::optional<MissingPart> missing_part() const override { return missing_; }
 
   std::vector<BagEntry> entries(const BagChunk& chunk) override {
-    const McapPlace& place = places_.at(chunk.position);
-    std::vector<BagEntry> entries = place.index_end > place.end
-                                        ? indexed_entries(place)
-                                        : entries_of(read(chunk, memory_), place);
+    const McapSpan& span = spans_.at(chunk.position);
+    std::vector<BagEntry> entries =
+        span.index_end > span.end ? indexed_entries(span) : entries_of(read(chunk, memory_), span);
     std::sort(entries.begin(), entries.end());
     return entries;
   }
 
   ChunkContent read(const BagChunk& chunk, ChunkMemory& memory) override {
-    return mcap_content(file_, places_.at(chunk.position), memory);
+    return mcap_content(file_, spans_.at(chunk.position), memory);
   }
 
   StoredMessage message(const ChunkContent& content, const BagEntry& entry) const override try {
@@ -80,20 +79,20 @@ class McapFile : public ChunkedRecording {
   }
 
   /// Those that have messages of the wanted topics.
-  void add_places(const McapIndex& index) {
-    for (const McapPlace& place : index.places) {
-      const bool is_read = std::any_of(place.channels.begin(), place.channels.end(),
+  void add_spans(const McapIndex& index) {
+    for (const McapSpan& span : index.spans) {
+      const bool is_read = std::any_of(span.channels.begin(), span.channels.end(),
                                        [&](std::uint16_t id) { return types_.count(id) > 0; });
       if (!is_read) continue;
-      places_[place.position] = place;
-      chunks_.push_back({place.position, place.begin});
+      spans_[span.position] = span;
+      chunks_.push_back({span.position, span.begin});
     }
     std::sort(chunks_.begin(), chunks_.end());
   }
 
   /// By the message indexes behind the chunk.
-  std::vector<BagEntry> indexed_entries(const McapPlace& place) const {
-    const std::vector<std::uint8_t> bytes = file_.read(place.end, place.index_end - place.end);
+  std::vector<BagEntry> indexed_entries(const McapSpan& span) const {
+    const std::vector<std::uint8_t> bytes = file_.read(span.end, span.index_end - span.end);
     std::vector<BagEntry> entries;
     try {
       for_each_record({bytes.data(), bytes.size()}, [&](const McapRecord& record) {
@@ -109,13 +108,13 @@ class McapFile : public ChunkedRecording {
         }
       });
     } catch (const InputError&) {
-      file_.fail("a message index is damaged", place.end);
+      file_.fail("a message index is damaged", span.end);
     }
     return entries;
   }
 
   /// By the messages themselves.
-  std::vector<BagEntry> entries_of(const ChunkContent& content, const McapPlace& place) const {
+  std::vector<BagEntry> entries_of(const ChunkContent& content, const McapSpan& span) const {
     std::vector<BagEntry> entries;
     try {
       for_each_record({content.bytes.get(), content.size}, [&](const McapRecord& record) {
@@ -128,7 +127,7 @@ class McapFile : public ChunkedRecording {
         entries.push_back({logged, static_cast<std::uint32_t>(record.position), channel});
       });
     } catch (const InputError&) {
-      file_.fail("a chunk is damaged", place.position);
+      file_.fail("a chunk is damaged", span.position);
     }
     return entries;
   }
@@ -136,7 +135,7 @@ class McapFile : public ChunkedRecording {
   std::string path_;
   FileBytes file_;
   std::map<std::uint32_t, const Ros2Type*> types_;  ///< those that are read, by channel
-  std::map<std::uint64_t, McapPlace> places_;       ///< by their positions
+  std::map<std::uint64_t, McapSpan> spans_;         ///< by their positions
   std::optional<MissingPart> missing_;
   ChunkMemory memory_;  ///< of chunks without message indexes
 };

@@ -39,55 +39,55 @@ MissingPart missing(const FileBytes& file, const std::string& reason, Stamp from
 // The summary at the end of a file.
 
 /// Where a file has its summary; empty if it has none.
-struct SummaryPlace {
+struct SummarySpan {
   std::uint64_t begin = 0;
   std::uint64_t end = 0;  ///< position of the footer
   std::uint32_t crc = 0;  ///< 0: unknown
 };
 
-std::optional<SummaryPlace> summary_place(const FileBytes& file) {
+std::optional<SummarySpan> summary_span(const FileBytes& file) {
   if (file.size() < kMagic + kFooter + kMagic) return std::nullopt;
-  SummaryPlace place;
-  place.end = file.size() - kMagic - kFooter;
-  const std::vector<std::uint8_t> bytes = file.read(place.end, kFooter);
+  SummarySpan span;
+  span.end = file.size() - kMagic - kFooter;
+  const std::vector<std::uint8_t> bytes = file.read(span.end, kFooter);
   McapReader reader({bytes.data(), bytes.size()});
   const std::uint8_t kind = *reader.bytes(1).first;
   const std::uint64_t length = reader.u64();
   if (kind != static_cast<std::uint8_t>(McapKind::kFooter) || length != kFooter - kMcapHead) {
     return std::nullopt;
   }
-  place.begin = reader.u64();
+  span.begin = reader.u64();
   reader.u64();  // where the offsets of the summary begin
-  place.crc = reader.u32();
-  if (place.begin == 0) return std::nullopt;
-  return place;
+  span.crc = reader.u32();
+  if (span.begin == 0) return std::nullopt;
+  return span;
 }
 
 /// By the format, the checksum is that of the summary and of the footer without the checksum.
-bool has_right_crc(const SummaryPlace& place, const std::vector<std::uint8_t>& bytes) {
-  return place.crc == 0 || ::crc32_z(0, bytes.data(), bytes.size() - kSummaryCrc) == place.crc;
+bool has_right_crc(const SummarySpan& span, const std::vector<std::uint8_t>& bytes) {
+  return span.crc == 0 || ::crc32_z(0, bytes.data(), bytes.size() - kSummaryCrc) == span.crc;
 }
 
-McapPlace place_of(const McapChunkIndex& chunk, std::uint64_t limit) {
+McapSpan span_of(const McapChunkIndex& chunk, std::uint64_t limit) {
   const bool fits = chunk.position >= kMagic && chunk.length >= kMcapHead &&
                     chunk.length <= limit && chunk.position <= limit - chunk.length &&
                     chunk.index_length <= limit - chunk.position - chunk.length;
   if (!fits) throw InputError("a chunk lies outside of the file");
-  McapPlace place;
-  place.position = chunk.position;
-  place.end = chunk.position + chunk.length;
-  place.index_end = place.end + chunk.index_length;
-  place.begin = chunk.begin;
-  place.channels = {chunk.channels.begin(), chunk.channels.end()};
-  return place;
+  McapSpan span;
+  span.position = chunk.position;
+  span.end = chunk.position + chunk.length;
+  span.index_end = span.end + chunk.index_length;
+  span.begin = chunk.begin;
+  span.channels = {chunk.channels.begin(), chunk.channels.end()};
+  return span;
 }
 
 /// Whether the summary knows all chunks, and their channels.
 bool is_complete(const McapIndex& index, const std::optional<McapStatistics>& statistics) {
-  if (!statistics || statistics->chunks != index.places.size()) return false;
-  if (index.places.empty()) return statistics->messages == 0;
-  for (const McapPlace& place : index.places) {
-    for (const std::uint16_t channel : place.channels) {
+  if (!statistics || statistics->chunks != index.spans.size()) return false;
+  if (index.spans.empty()) return statistics->messages == 0;
+  for (const McapSpan& span : index.spans) {
+    for (const std::uint16_t channel : span.channels) {
       if (index.channels.count(channel) == 0) return false;
     }
   }
@@ -101,7 +101,7 @@ std::optional<McapIndex> index_of(ByteRange summary, std::uint64_t end) {
     add_type(record, index);
     if (record.is(McapKind::kStatistics)) statistics = mcap_statistics(record.content);
     if (record.is(McapKind::kChunkIndex)) {
-      index.places.push_back(place_of(mcap_chunk_index(record.content), end));
+      index.spans.push_back(span_of(mcap_chunk_index(record.content), end));
     }
   });
   if (!is_complete(index, statistics)) return std::nullopt;
@@ -112,19 +112,18 @@ std::optional<McapIndex> index_of(ByteRange summary, std::uint64_t end) {
 /// Empty if the file has no summary, or one that does not know all. Throws InputError if it is
 /// damaged.
 std::optional<McapIndex> index_of_summary(const FileBytes& file) {
-  const auto place = summary_place(file);
-  if (!place) return std::nullopt;
-  if (place->begin < kMagic || place->begin > place->end)
+  const auto span = summary_span(file);
+  if (!span) return std::nullopt;
+  if (span->begin < kMagic || span->begin > span->end)
     throw InputError("it lies outside of the file");
-  const std::vector<std::uint8_t> bytes =
-      file.read(place->begin, place->end + kFooter - place->begin);
-  if (!has_right_crc(*place, bytes)) throw InputError("its checksum differs");
-  return index_of({bytes.data(), bytes.size() - kFooter}, place->begin);
+  const std::vector<std::uint8_t> bytes = file.read(span->begin, span->end + kFooter - span->begin);
+  if (!has_right_crc(*span, bytes)) throw InputError("its checksum differs");
+  return index_of({bytes.data(), bytes.size() - kFooter}, span->begin);
 }
 
 // Reading from the front.
 
-/// Finds the places of all messages, from record to record.
+/// Finds the spans of all messages, from record to record.
 class Scan {
  public:
   explicit Scan(const FileBytes& file) : file_(file) {}
@@ -132,9 +131,9 @@ class Scan {
   McapIndex run() {
     try {
       while (!is_over_) add_record();
-      end_place();
+      end_span();
     } catch (const Error& error) {
-      end_place();
+      end_span();
       cut(std::string("it is damaged from byte ") + std::to_string(position_) + " on");
     }
     return std::move(index_);
@@ -174,7 +173,7 @@ class Scan {
     } else if (record.is(McapKind::kMessage)) {
       add_message(record);
     } else {
-      end_place();
+      end_span();
       if (record.is(McapKind::kChunk)) begin_chunk(record);
       if (record.is(McapKind::kSchema) || record.is(McapKind::kChannel)) {
         const std::vector<std::uint8_t> bytes = content(record);
@@ -192,7 +191,7 @@ class Scan {
 
   void cut_off() {
     is_over_ = true;
-    end_place();
+    end_span();
     cut("its end is missing, from byte " + std::to_string(position_) + " on");
   }
   void cut(const std::string& reason) { index_.missing = missing(file_, reason, newest_); }
@@ -201,76 +200,76 @@ class Scan {
     constexpr std::uint64_t kTimes = 2 * sizeof(std::uint64_t);  // by the format: they come first
     const std::vector<std::uint8_t> bytes = file_.read(position_ + kMcapHead, kTimes);
     McapReader reader({bytes.data(), bytes.size()});
-    McapPlace place;
-    place.position = position_;
-    place.end = place.index_end = record.end;
-    place.begin = reader.time();
+    McapSpan span;
+    span.position = position_;
+    span.end = span.index_end = record.end;
+    span.begin = reader.time();
     chunk_end_ = reader.time();
-    place_ = place;
+    span_ = span;
   }
 
   void add_message_index(const Head& record) {
-    if (!place_ || place_->is_run || position_ != place_->index_end) return;
+    if (!span_ || span_->is_run || position_ != span_->index_end) return;
     const std::vector<std::uint8_t> bytes = content(record);
     const McapMessageIndex messages = mcap_message_index({bytes.data(), bytes.size()});
-    place_->index_end = record.end;
+    span_->index_end = record.end;
     if (messages.entries.empty()) return;
-    place_->channels.insert(messages.channel);
+    span_->channels.insert(messages.channel);
     counts_[messages.channel] += messages.entries.size();
   }
 
   void add_message(const Head& record) {
-    const bool goes_on = place_ && place_->is_run && record.end - place_->position <= kLongestRun;
+    const bool goes_on = span_ && span_->is_run && record.end - span_->position <= kLongestRun;
     if (!goes_on) {
-      end_place();
-      place_.emplace();
-      place_->is_run = true;
-      place_->position = position_;
+      end_span();
+      span_.emplace();
+      span_->is_run = true;
+      span_->position = position_;
     }
     const std::vector<std::uint8_t> bytes = file_.read(position_ + kMcapHead, kMcapMessageHead);
     add_message(McapReader({bytes.data(), bytes.size()}));
-    place_->end = place_->index_end = record.end;
+    span_->end = span_->index_end = record.end;
   }
 
   void add_message(McapReader reader) {
     const std::uint16_t channel = reader.u16();
     reader.u32();  // its number
     const Stamp logged = reader.time();
-    place_->begin = place_->channels.empty() ? logged : std::min(place_->begin, logged);
-    place_->channels.insert(channel);
+    span_->begin = span_->channels.empty() ? logged : std::min(span_->begin, logged);
+    span_->channels.insert(channel);
     ++counts_[channel];
     chunk_end_ = std::max(chunk_end_, logged);
   }
 
   /// A chunk without message indexes, or with messages of channels that are defined in it, is
   /// looked into.
-  void end_place() {
-    if (!place_) return;
-    McapPlace place = std::move(*place_);
-    place_.reset();
+  void end_span() {
+    if (!span_) return;
+    McapSpan span = std::move(*span_);
+    span_.reset();
     std::map<std::uint16_t, std::uint64_t> counts = std::exchange(counts_, {});
     const auto is_known = [&](std::uint16_t id) { return index_.channels.count(id) > 0; };
-    const bool has_index = place.index_end > place.end;
-    const bool are_known = std::all_of(place.channels.begin(), place.channels.end(), is_known);
-    if (!place.is_run && (!has_index || !are_known)) look_into(place, counts);
+    const bool has_index = span.index_end > span.end;
+    const bool are_known = std::all_of(span.channels.begin(), span.channels.end(), is_known);
+    if (!span.is_run && (!has_index || !are_known)) look_into(span, counts);
     for (const auto& [channel, count] : counts) index_.messages[channel] += count;
     newest_ = std::max(newest_, chunk_end_);
-    if (!place.channels.empty()) index_.places.push_back(std::move(place));
+    if (!span.channels.empty()) index_.spans.push_back(std::move(span));
   }
 
-  void look_into(McapPlace& place, std::map<std::uint16_t, std::uint64_t>& counts) try {
-    const ChunkContent content = mcap_content(file_, place, memory_);
-    const bool has_index = place.index_end > place.end;
+  void look_into(McapSpan& span, std::map<std::uint16_t, std::uint64_t>& counts) try {
+    const ChunkContent content = mcap_content(file_, span, memory_);
+    const bool has_index = span.index_end > span.end;
     for_each_record({content.bytes.get(), content.size}, [&](const McapRecord& record) {
       add_type(record, index_);
       if (has_index || !record.is(McapKind::kMessage)) return;
       const std::uint16_t channel = McapReader(record.content).u16();
-      place.channels.insert(channel);
+      span.channels.insert(channel);
       ++counts[channel];
     });
   } catch (const Error& error) {
     // What has an index is read, and its damage reported, later.
-    if (place.index_end == place.end && !index_.missing) {
+    if (span.index_end == span.end && !index_.missing) {
       index_.missing = MissingPart{newest_, error.what()};
     }
   }
@@ -278,10 +277,10 @@ class Scan {
   const FileBytes& file_;
   std::uint64_t position_ = kMagic;
   bool is_over_ = false;
-  std::optional<McapPlace> place_;                 ///< to which the next records may still belong
-  std::map<std::uint16_t, std::uint64_t> counts_;  ///< messages of that place by channel
-  Stamp chunk_end_ = 0;                            ///< of that place
-  Stamp newest_ = 0;                               ///< of all places before
+  std::optional<McapSpan> span_;                   ///< to which the next records may still belong
+  std::map<std::uint16_t, std::uint64_t> counts_;  ///< messages of that span by channel
+  Stamp chunk_end_ = 0;                            ///< of that span
+  Stamp newest_ = 0;                               ///< of all spans before
   ChunkMemory memory_;
   McapIndex index_;
 };

@@ -15,7 +15,7 @@
 namespace lidar_mapping::ros_border {
 
 /// Part of an MCAP file that is read at a time: a chunk, or a run of records outside of chunks.
-struct McapPlace {
+struct McapSpan {
   std::uint64_t position = 0;   ///< of its first record, bytes
   std::uint64_t end = 0;        ///< behind that record, or the last of the run, bytes
   std::uint64_t index_end = 0;  ///< behind its message indexes, bytes; `end`: there are none
@@ -29,7 +29,7 @@ struct McapIndex {
   std::map<std::uint16_t, McapSchema> schemas;
   std::map<std::uint16_t, McapChannel> channels;
   std::map<std::uint16_t, std::uint64_t> messages;  ///< by channel
-  std::vector<McapPlace> places;
+  std::vector<McapSpan> spans;
   std::optional<MissingPart> missing;  ///< of a file that is cut off or damaged
 };
 
@@ -37,8 +37,8 @@ struct McapIndex {
 /// from the front, up to the first that is damaged.
 McapIndex mcap_index(const FileBytes& file);
 
-/// The records of a place, decompressed. Throws FileError if they are damaged.
-ChunkContent mcap_content(const FileBytes& file, const McapPlace& place, ChunkMemory& memory);
+/// The records of a span, decompressed. Throws FileError if they are damaged.
+ChunkContent mcap_content(const FileBytes& file, const McapSpan& span, ChunkMemory& memory);
 
 /// Calls `use(const McapRecord&)` for each record of a content. Throws InputError where they end.
 template <typename Use>

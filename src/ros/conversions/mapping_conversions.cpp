@@ -193,7 +193,7 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.sweep_times = to_string(status.sweep_times.source);
   message.gyro_distrusted = status.gyro_distrusted;
   message.velocity_distrusted = status.velocity_distrusted;
-  message.unseen_way = status.unseen_way;
+  message.vertical_ride_distance = status.vertical_ride_distance;
   message.unobserved_stddev = status.unobserved_stddev;
   message.key_frame = result.key_frame.has_value();
   if (result.key_frame) message.key_frame_index = result.key_frame->index;

@@ -19,8 +19,8 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-// Parameters of the articles' front end (lidar_localization, see doc/reference/ancestors.md): key
-// frames in the window, those from which on it is thinned, Manhattan distance between them (m),
+// By definition the parameters of the front end of lidar_localization (doc/reference/ancestors.md):
+// key frames in the window, those from which on it is thinned, Manhattan distance between them (m),
 // edges of voxels (m), and of NDT: cells (m), step (m), epsilon (m) and iterations.
 constexpr std::size_t kWindow = 20;
 constexpr std::size_t kThinnedFrom = 10;

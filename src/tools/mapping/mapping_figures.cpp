@@ -16,7 +16,7 @@ json::Json left_out(const pipeline::PipelineReport& report) {
           {"scans without transform to base_link", counters.scans_without_extrinsic},
           {"scans with too few points", counters.scans_without_points},
           {"scans out of order", counters.scans_out_of_order + report.scans_before_newest},
-          {"scans waiting when time went back", counters.scans_forgotten},
+          {"scans waiting when time went back", counters.scans_discarded},
           {"samples of IMU or velocity", counters.samples_refused},
           {"GNSS fixes", counters.gnss_refused}};
 }

@@ -22,9 +22,9 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-std::string bar_of(double share) {
+std::string bar_of(double fraction) {
   constexpr std::size_t kWidth = 24;  // characters; chosen: the rest of the line is for figures
-  std::string bar(static_cast<std::size_t>(share * kWidth), '=');
+  std::string bar(static_cast<std::size_t>(fraction * kWidth), '=');
   bar.resize(kWidth, ' ');
   return "[" + bar + "]";
 }

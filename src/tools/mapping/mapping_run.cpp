@@ -12,7 +12,7 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/thread_time.hpp"
-#include "lidar_mapping/loop_closing/method_notice.hpp"
+#include "lidar_mapping/loop_closing/method_substitution.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
 
@@ -59,9 +59,9 @@ class MappingRun {
   /// Says which method does the work of one that another system has.
   void print_methods() const {
     const std::string odometry =
-        registration::method_notice(stages_.pipeline.front_end.registration);
+        registration::describe_substitution(stages_.pipeline.front_end.registration);
     const std::string loops =
-        loop_closing::method_notice(stages_.pipeline.loop_closing.registration_method);
+        loop_closing::describe_substitution(stages_.pipeline.loop_closing.registration_method);
     if (!odometry.empty()) std::printf("odometry: %s\n", odometry.c_str());
     if (!loops.empty()) std::printf("loops: %s\n", loops.c_str());
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tracking/sweep_times_trial.hpp"
+#include "tracking/sweep_times_validator.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ constexpr double kMinMotion = 0.1;
 constexpr int kSettlingScans = 4;
 /// Nothing is decided with fewer scans; chosen so that no single object decides.
 constexpr int kMinScans = 8;
-/// After so many scans the trial ends and the given times are kept. Chosen: 15 s at 10 Hz, as it
+/// After so many scans the check ends and the given times are kept. Chosen: 15 s at 10 Hz, as it
 /// doubles the computing time.
 constexpr int kMaxScans = 150;
 /// A gain decides if it exceeds this limit by so many of its standard deviations. Measured: wrong
@@ -115,7 +115,7 @@ double RunningMean::sigma() const {
   return std::sqrt(squares_ / (count_ - 1) / count_);
 }
 
-void SweepTimesTrial::restart() {
+void SweepTimesValidator::restart() {
   candidates_.clear();
   given_.reset();
   last_pose_.reset();
@@ -123,20 +123,20 @@ void SweepTimesTrial::restart() {
   scans_ = 0;
 }
 
-std::unique_ptr<Tracker> SweepTimesTrial::new_tracker() const {
+std::unique_ptr<Tracker> SweepTimesValidator::new_tracker() const {
   std::unique_ptr<Tracker> tracker = make_tracker(config_);
   if (viewpoint_at_origin_) tracker->set_viewpoint_at_origin();
   return tracker;
 }
 
-void SweepTimesTrial::start(const Scan& scan) {
+void SweepTimesValidator::start(const Scan& scan) {
   given_ = new_tracker();
   for (const SweepTimesRule& rule : candidates_for(scan.cloud, interval_))
     candidates_.push_back({rule, new_tracker(), {}, {}});
 }
 
 /// True if the motion since the previous scan distorts a sweep.
-bool SweepTimesTrial::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
+bool SweepTimesValidator::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
   const double seconds = to_seconds(stamp - std::exchange(last_stamp_, stamp));
   const std::optional<Pose> previous = std::exchange(last_pose_, T_odom_base);
   if (!previous) return false;
@@ -150,9 +150,9 @@ bool SweepTimesTrial::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
          kMinMotion;
 }
 
-std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
-                                                               const MotionPrior& prior,
-                                                               const TrackedScan& tracked) {
+std::optional<SweepTimesValidator::Successor> SweepTimesValidator::add(const Scan& scan,
+                                                                       const MotionPrior& prior,
+                                                                       const TrackedScan& tracked) {
   if (tracked.new_segment) restart();
   const bool moves = distorts_sweep(scan.stamp, tracked.T_odom_base);
   if (candidates_.empty()) {
@@ -173,7 +173,7 @@ std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
 
 /// The candidate whose scans fit best. One from another source than an earlier one has to be better
 /// by the least gain.
-std::vector<SweepTimesTrial::Candidate>::iterator SweepTimesTrial::best_candidate() {
+std::vector<SweepTimesValidator::Candidate>::iterator SweepTimesValidator::best_candidate() {
   auto best = candidates_.begin();
   for (auto candidate = best; candidate != candidates_.end(); ++candidate) {
     const double margin = candidate->times.source == best->times.source ? 0.0 : kMinGain;
@@ -184,7 +184,8 @@ std::vector<SweepTimesTrial::Candidate>::iterator SweepTimesTrial::best_candidat
 
 /// The best candidate succeeds as soon as its gain is certain. Candidates whose loss is certain are
 /// left out; the given times stay when none remains.
-std::optional<SweepTimesTrial::Successor> SweepTimesTrial::decide(const TrackedScan& tracked) {
+std::optional<SweepTimesValidator::Successor> SweepTimesValidator::decide(
+    const TrackedScan& tracked) {
   const auto has_lost = [](const Candidate& candidate) { return certainty(candidate.gain) < 0.0; };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), has_lost),
                     candidates_.end());
@@ -201,8 +202,8 @@ std::optional<SweepTimesTrial::Successor> SweepTimesTrial::decide(const TrackedS
 }
 
 /// The candidate's tracker goes on from the pose of the scan that was tracked last.
-SweepTimesTrial::Successor SweepTimesTrial::succeed(Candidate& candidate,
-                                                    const TrackedScan& tracked) {
+SweepTimesValidator::Successor SweepTimesValidator::succeed(Candidate& candidate,
+                                                            const TrackedScan& tracked) {
   candidate.tracker->finalize();
   const Pose T_odom_start = tracked.T_odom_base * candidate.tracked.T_odom_base.inverse();
   auto moved = std::make_unique<MovedTracker>(std::move(candidate.tracker), T_odom_start);

@@ -28,9 +28,9 @@ class RunningMean {
 
 /// Finds out whether the times of the points are right. At the begin of a drive the scans are also
 /// tracked with other times, each by a tracker of its own with its own local map, and once more
-/// with the given ones. With the right times the points fit to their map better. The trial begins
+/// with the given ones. With the right times the points fit to their map better. The check begins
 /// when the sensor moves, and ends when the answer is certain.
-class SweepTimesTrial {
+class SweepTimesValidator {
  public:
   /// A tracker that takes over, because its times are right.
   struct Successor {
@@ -39,7 +39,7 @@ class SweepTimesTrial {
     TrackedScan tracked;  ///< the scan that was added last, at the same pose as before
   };
 
-  explicit SweepTimesTrial(const FrontEndConfig& config) : config_(config) {}
+  explicit SweepTimesValidator(const FrontEndConfig& config) : config_(config) {}
 
   /// See Tracker. To be called before the first scan.
   void set_viewpoint_at_origin() { viewpoint_at_origin_ = true; }
@@ -49,7 +49,7 @@ class SweepTimesTrial {
   /// in it has to be put back, and its rate to be left out of the prior.
   std::optional<Successor> add(const Scan& scan, const MotionPrior& prior,
                                const TrackedScan& tracked);
-  /// The next scan does not follow the previous one: the trial begins again.
+  /// The next scan does not follow the previous one: the check starts again.
   void restart();
 
  private:

@@ -9,6 +9,6 @@ namespace lidar_mapping::loop_closing {
 
 /// A sentence that names the method in use, if the configured name is that of another system; else
 /// empty.
-std::string method_notice(const LoopMethod& method);
+std::string describe_substitution(const LoopMethod& method);
 
 }  // namespace lidar_mapping::loop_closing
