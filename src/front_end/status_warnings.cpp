@@ -36,9 +36,8 @@ std::string sweep_times_warning(const FrontEndStatus& status) {
 std::string gyro_warning(const FrontEndStatus& status) {
   if (!status.gyro_distrusted) return {};
   return "imu: the gyro does not agree with the matched motion, so it is not used to predict; "
-         "check "
-         "imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or set "
-         "use_imu: false";
+         "check imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or "
+         "set use_imu: false";
 }
 
 std::string velocity_warning(const FrontEndStatus& status) {
@@ -51,8 +50,7 @@ std::string ride_warning(const FrontEndStatus& status) {
   if (!(status.unseen_way > 0.0)) return {};
   return "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
          "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
-         "unless "
-         "loops or GNSS put them right";
+         "unless loops or GNSS put them right";
 }
 
 struct WarningKind {
