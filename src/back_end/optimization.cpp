@@ -202,45 +202,55 @@ void report_least_eigenvalue(const DriveFactors& factors,
   report.remarks.push_back(warning + ", parts of it may lie metres away from where they are");
 }
 
-}  // namespace
+/// Finds the poses of the whole drive from all constraints, then again with the errors of odometry
+/// that they show. `factors` become those of the solution.
+pose_graph::RobustSolution solve_drive(const OptimizationProblem& problem, bool thorough,
+                                       DriveFactors& factors, DriveGraph& drive) {
+  pose_graph::RobustSolution solution = solve_factors(drive, problem.config, factors, thorough);
+  if (!solution.success) return solution;
+  store_solution(factors, solution, drive);
+  if (uses_any(factors.horizontal_of, solution)) {
+    solve_with_estimated_errors(problem.config, factors, solution, drive);
+  }
+  return solution;
+}
 
-std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& problem) {
-  auto result = std::make_shared<OptimizationSolution>();
-  DriveGraph& drive = result->drive;
-  drive = problem.drive;
-  result->window = problem.window;
-  result->key_frames = problem.key_frames;
-  if (drive.nodes.empty()) {
-    result->report.message = "there are no key frames yet; nothing to optimise";
-    return result;
-  }
-  if (problem.window) {
-    solve_window(problem, *result);
-    return result;
-  }
+/// Places the segments of the drive and the whole of it, and solves all constraints.
+void solve_whole(const OptimizationProblem& problem, OptimizationSolution& result) {
+  DriveGraph& drive = result.drive;
   if (problem.config.use_loop_close) connect_segments(drive);
   const Georeference alignment = georeference(drive, problem.config, false);
   if (problem.config.use_gnss) estimate_gnss_delays(drive, problem.config);
   drive.odometry_errors = {};
   DriveFactors factors = make_factors(drive, problem.config);
-  pose_graph::RobustSolution solution =
-      solve_factors(drive, problem.config, factors, problem.thorough || alignment.newly_aligned);
-  if (solution.success) store_solution(factors, solution, drive);
-  if (solution.success && uses_any(factors.horizontal_of, solution)) {
-    solve_with_estimated_errors(problem.config, factors, solution, drive);
-  }
-  if (solution.success) {
-    result->report.gnss_rms = alignment.rms_horizontal;
-  } else {
+  const pose_graph::RobustSolution solution =
+      solve_drive(problem, problem.thorough || alignment.newly_aligned, factors, drive);
+  if (!solution.success) {
     drive = problem.drive;  // no segment stays where it was placed for this solution
+    return fill_report(problem, drive, solution, result.report);
   }
-  const bool georeference_only = problem.config.georeference_only && solution.success;
-  const Georeference final_alignment =
-      georeference_only ? georeference(drive, problem.config, true) : alignment;
-  fill_report(problem, drive, solution, result->report);
-  if (georeference_only) report_placement(drive, final_alignment, result->report);
-  if (problem.thorough && solution.success)
-    report_least_eigenvalue(factors, solution, result->report);
+  result.report.gnss_rms = alignment.rms_horizontal;
+  std::optional<Georeference> placement;
+  if (problem.config.georeference_only) placement = georeference(drive, problem.config, true);
+  fill_report(problem, drive, solution, result.report);
+  if (placement) report_placement(drive, *placement, result.report);
+  if (problem.thorough) report_least_eigenvalue(factors, solution, result.report);
+}
+
+}  // namespace
+
+std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& problem) {
+  auto result = std::make_shared<OptimizationSolution>();
+  result->drive = problem.drive;
+  result->window = problem.window;
+  result->key_frames = problem.key_frames;
+  if (result->drive.nodes.empty()) {
+    result->report.message = "there are no key frames yet; nothing to optimise";
+  } else if (problem.window) {
+    solve_window(problem, *result);
+  } else {
+    solve_whole(problem, *result);
+  }
   return result;
 }
 

@@ -9,7 +9,7 @@
 
 namespace lidar_mapping::map {
 
-class ProductWriter;  // write_products.cpp
+class ProductWriter;  // product_writer.hpp
 
 /// A format in which a map is written. All code that has to know the formats uses this table: a new
 /// format is a row of it and the function that the row names.
@@ -32,5 +32,8 @@ const std::vector<MapFormat>& map_formats();
 
 /// The format of this name; null if there is none.
 const MapFormat* find_format(const std::string& name);
+
+/// The names in lower case. Throws InputError for an unknown one, and one that cannot be written.
+std::vector<std::string> known_formats(const std::vector<std::string>& formats);
 
 }  // namespace lidar_mapping::map

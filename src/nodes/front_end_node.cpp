@@ -71,6 +71,9 @@ class FrontEndNode {
   void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void publish_local_map(Stamp stamp);
   void report(const front_end::FrontEndResult& result);
+  void show_figures(const front_end::FrontEndStatus& status);
+  void warn_of_repetition();
+  void warn_of_match(const front_end::FrontEndStatus& status);
 
   Config config_;
   NodeContext& context_;
@@ -308,20 +311,7 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   context_.diagnostics.count_output(result.stamp);
   context_.diagnostics.set_state(poor ? Diagnostics::Level::kWarning : Diagnostics::Level::kOk,
                                  front_end::to_string(state));
-  context_.diagnostics.set("probability of the step", result.status.probability);
-  context_.diagnostics.set("seconds per scan", result.status.seconds);
-  if (result.status.map_points_dropped > 0) {
-    context_.diagnostics.set("points without room in the local map",
-                             result.status.map_points_dropped);
-  }
-  if (result.status.sweep_times.source != front_end::SweepTimes::kAsGiven) {
-    context_.diagnostics.set("times of the points",
-                             front_end::to_string(result.status.sweep_times.source));
-  }
-  if (result.status.vertical_ride_distance > 0.0) {
-    context_.diagnostics.set("vertical distance not observed by the points, m",
-                             result.status.vertical_ride_distance);
-  }
+  show_figures(result.status);
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
     ROS_INFO_STREAM(front_end::elevation_message(shift));
@@ -330,16 +320,41 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
     if (limiter_.due(key)) ROS_WARN_STREAM(text);
   }
   if (result.status.repeated) {
-    if (limiter_.due("repeated")) {
-      ROS_WARN(
-          "the same scan came again under a new stamp: the LiDAR's driver hangs; the pose is a "
-          "prediction until new points arrive");
-    }
-  } else if (poor && limiter_.due(front_end::to_string(state))) {
-    ROS_WARN_STREAM("odometry is " << front_end::to_string(state) << ": overlap "
-                                   << result.status.overlap << ", fitness " << result.status.fitness
-                                   << " m^2, right with probability " << result.status.probability);
+    warn_of_repetition();
+  } else if (poor) {
+    warn_of_match(result.status);
   }
+}
+
+void FrontEndNode::show_figures(const front_end::FrontEndStatus& status) {
+  context_.diagnostics.set("probability of the step", status.probability);
+  context_.diagnostics.set("seconds per scan", status.seconds);
+  if (status.map_points_dropped > 0) {
+    context_.diagnostics.set("points without room in the local map", status.map_points_dropped);
+  }
+  if (status.sweep_times.source != front_end::SweepTimes::kAsGiven) {
+    context_.diagnostics.set("times of the points",
+                             front_end::to_string(status.sweep_times.source));
+  }
+  if (status.vertical_ride_distance > 0.0) {
+    context_.diagnostics.set("vertical distance not observed by the points, m",
+                             status.vertical_ride_distance);
+  }
+}
+
+void FrontEndNode::warn_of_repetition() {
+  if (!limiter_.due("repeated")) return;
+  ROS_WARN(
+      "the same scan came again under a new stamp: the LiDAR's driver hangs; the pose is a "
+      "prediction until new points arrive");
+}
+
+void FrontEndNode::warn_of_match(const front_end::FrontEndStatus& status) {
+  const char* const state = front_end::to_string(status.state);
+  if (!limiter_.due(state)) return;
+  ROS_WARN_STREAM("odometry is " << state << ": overlap " << status.overlap << ", fitness "
+                                 << status.fitness << " m^2, right with probability "
+                                 << status.probability);
 }
 
 }  // namespace lidar_mapping::ros_border

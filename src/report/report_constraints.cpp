@@ -53,6 +53,69 @@ LoopVerdict take_verdict(const Loop& loop, Verdicts& verdicts) {
   return verdict;
 }
 
+/// A position of GNSS beside that of its antenna on the map.
+struct MeasuredPosition {
+  std::size_t pose = 0;        ///< number of the key frame's pose
+  evaluation::PosePair pair;   ///< translations alone; the truth is GNSS
+  Eigen::Matrix3d covariance;  ///< m^2, East-North-Up
+};
+
+/// The positions at key frames that have a pose.
+std::vector<MeasuredPosition> measured_positions(const KeyFramePoses& poses,
+                                                 const std::vector<GnssPosition>& positions) {
+  std::map<Stamp, std::size_t> at;
+  for (std::size_t i = 0; i < poses.poses.size(); ++i) at[poses.poses[i].stamp] = i;
+  std::vector<MeasuredPosition> measured;
+  for (const GnssPosition& gnss : positions) {
+    const auto found = at.find(gnss.stamp);
+    if (found == at.end()) continue;
+    const Pose& pose = poses.poses[found->second].T_map_base;
+    evaluation::PosePair pair;
+    pair.stamp = gnss.stamp;
+    pair.truth.translation = gnss.p_enu_antenna;
+    pair.estimate.translation = pose * gnss.p_base_antenna;
+    measured.push_back({found->second, pair, gnss.covariance});
+  }
+  return measured;
+}
+
+/// Lays the map onto the positions, which tell where it lies; too few of them are left out.
+void align(std::vector<MeasuredPosition>& measured) {
+  constexpr std::size_t kLeastPositions = 3;  // by definition: of a rigid alignment
+  if (measured.size() < kLeastPositions) return measured.clear();
+  std::vector<evaluation::PosePair> pairs;
+  for (const MeasuredPosition& position : measured) pairs.push_back(position.pair);
+  pairs = aligned(pairs, evaluation::rigid_alignment(pairs));
+  for (std::size_t i = 0; i < pairs.size(); ++i) measured[i].pair = pairs[i];
+}
+
+/// Differences of the map from GNSS, in m.
+struct GnssDifferences {
+  json::Json rows = json::Json::array();
+  std::vector<double> sigmas;  ///< stated horizontal standard deviations
+  std::vector<double> horizontal;
+  std::vector<double> vertical;  ///< where GNSS gives the height
+};
+
+/// `distances` are those along the drive at the poses, m.
+GnssDifferences differences_of(const std::vector<MeasuredPosition>& measured,
+                               const std::vector<double>& distances) {
+  GnssDifferences found;
+  for (const MeasuredPosition& position : measured) {
+    const bool with_height = has_height(position.covariance);
+    const Eigen::Vector3d& truth = position.pair.truth.translation;
+    Eigen::Vector3d d = truth - position.pair.estimate.translation;
+    if (!with_height) d.z() = 0.0;
+    const double sigma = std::sqrt(0.5 * position.covariance.topLeftCorner<2, 2>().trace());
+    found.rows.push_back(
+        {distances[position.pose], d.x(), d.y(), d.z(), sigma, truth.x(), truth.y()});
+    found.sigmas.push_back(sigma);
+    found.horizontal.push_back(d.head<2>().norm());
+    if (with_height) found.vertical.push_back(std::abs(d.z()));
+  }
+  return found;
+}
+
 }  // namespace
 
 bool is_in_enu(const session::Session& session) {
@@ -95,48 +158,19 @@ json::Json loop_figures(const ReportInput& input) {
 }
 
 json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end) {
-  std::map<Stamp, std::size_t> at;
-  for (std::size_t i = 0; i < input.poses.poses.size(); ++i) at[input.poses.poses[i].stamp] = i;
-  std::vector<evaluation::PosePair> pairs;
-  std::vector<Eigen::Matrix3d> covariances;
-  for (const GnssPosition& gnss : back_end.positions()) {
-    const auto found = at.find(gnss.stamp);
-    if (found == at.end()) continue;
-    const Pose& pose = input.poses.poses[found->second].T_map_base;
-    evaluation::PosePair pair;
-    pair.stamp = gnss.stamp;
-    pair.truth.translation = gnss.p_enu_antenna;
-    pair.estimate.translation = pose * gnss.p_base_antenna;
-    pairs.push_back(pair);
-    covariances.push_back(gnss.covariance);
-  }
   const bool in_enu = is_in_enu(input.session);
-  if (!in_enu && pairs.size() < 3) pairs.clear();  // too few to tell where the map lies
-  if (!in_enu && !pairs.empty()) pairs = aligned(pairs, evaluation::rigid_alignment(pairs));
-  const auto distances = distances_of(input.poses);
-  json::Json rows = json::Json::array();
-  std::vector<double> sigmas;
-  std::vector<double> horizontal;
-  std::vector<double> vertical;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const bool with_height = has_height(covariances[i]);
-    Eigen::Vector3d d = pairs[i].truth.translation - pairs[i].estimate.translation;
-    if (!with_height) d.z() = 0.0;
-    sigmas.push_back(std::sqrt(0.5 * covariances[i].topLeftCorner<2, 2>().trace()));
-    rows.push_back({distances[at.at(pairs[i].stamp)], d.x(), d.y(), d.z(), sigmas[i],
-                    pairs[i].truth.translation.x(), pairs[i].truth.translation.y()});
-    horizontal.push_back(d.head<2>().norm());
-    if (with_height) vertical.push_back(std::abs(d.z()));
-  }
-  return {{"positions", pairs.size()},
+  std::vector<MeasuredPosition> measured = measured_positions(input.poses, back_end.positions());
+  if (!in_enu) align(measured);
+  const GnssDifferences found = differences_of(measured, distances_of(input.poses));
+  return {{"positions", measured.size()},
           {"used_by_graph", in_enu},
-          {"median_horizontal_m", quantile(horizontal, 0.5)},
-          {"p95_horizontal_m", quantile(horizontal, 0.95)},
-          {"median_vertical_m", quantile(vertical, 0.5)},
-          {"p95_vertical_m", quantile(vertical, 0.95)},
-          {"median_stated_sigma_m", quantile(sigmas, 0.5)},
+          {"median_horizontal_m", quantile(found.horizontal, 0.5)},
+          {"p95_horizontal_m", quantile(found.horizontal, 0.95)},
+          {"median_vertical_m", quantile(found.vertical, 0.5)},
+          {"p95_vertical_m", quantile(found.vertical, 0.95)},
+          {"median_stated_sigma_m", quantile(found.sigmas, 0.5)},
           {"columns", {"distance", "east", "north", "up", "stated_sigma", "x", "y"}},
-          {"rows", rows}};
+          {"rows", found.rows}};
 }
 
 }  // namespace lidar_mapping::report

@@ -108,42 +108,51 @@ void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
                 delay < kMaxDelayOfEnd * span ? "END" : "MIDDLE"));
 }
 
-}  // namespace
+/// A cloud that is a part of a turn is no scan.
+void check_rate(const PointsRecord& points, InputReport& report) {
+  if (points.topic.rate() <= kMaxTurnRate) return;
+  add_fault(report,
+            formatted("%.0f clouds a second of %zu points are parts of turns", points.topic.rate(),
+                      points.cloud.points),
+            "have the driver publish whole turns, or ten clouds a second of a sensor that does "
+            "not turn");
+}
 
-InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
-                  const PreprocessingConfig& config) {
-  InputReport report = check_headers("points", points.topic, lookup);
-  if (points.topic.count == 0) {
-    add_fault(report, "nothing came on the topic of the points", "remap `points`");
-    return report;
-  }
+/// The fields, the number and the times of the points, if at least one cloud was not empty.
+void check_content(const PointsRecord& points, const PreprocessingConfig& config,
+                   InputReport& report) {
   const CloudSummary& cloud = points.cloud;
-  if (cloud.points > 0) {  // at least one was not empty
-    report.found += cloud.contents.empty() ? ", fields " + cloud.fields : ", " + cloud.contents;
-    report.found += formatted(", %zu points", cloud.points);
-    check_times(points, config, report);
-    if (points.topic.rate() > kMaxTurnRate) {
-      add_fault(report,
-                formatted("%.0f clouds a second of %zu points are parts of turns",
-                          points.topic.rate(), cloud.points),
-                "have the driver publish whole turns, or ten clouds a second of a sensor that does "
-                "not turn");
-    }
-  }
-  check_stamps(points, config, report);
-  if (cloud.extent) {
-    check_extent(*cloud.extent, report);
-    check_place(points.topic.frame(), lookup, report);
-  }
-  if (points.seam.is_reversed() && config.point_times != PointTimes::kNone) {
+  if (cloud.points == 0) return;
+  report.found += cloud.contents.empty() ? ", fields " + cloud.fields : ", " + cloud.contents;
+  report.found += formatted(", %zu points", cloud.points);
+  check_times(points, config, report);
+  check_rate(points, report);
+}
+
+/// Where the points lie around the sensor, and where the sensor is on the vehicle.
+void check_positions(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                     InputReport& report) {
+  if (!points.cloud.extent) return;
+  check_extent(*points.cloud.extent, report);
+  check_place(points.topic.frame(), lookup, report);
+}
+
+/// Where the end of a turn meets its beginning, the points tell which times are right.
+void check_seam(const PointsRecord& points, const PreprocessingConfig& config,
+                InputReport& report) {
+  if (config.point_times == PointTimes::kNone) return;
+  if (points.seam.is_reversed()) {
     add_fault(report, "the points' times run backwards",
               "correct the driver, or set point_times to NONE");
   }
-  if (points.seam.is_compensated() && !is_mixed(points) &&
-      config.point_times != PointTimes::kNone) {
+  if (points.seam.is_compensated() && !is_mixed(points)) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");
   }
+}
+
+/// Scans without points, damaged packets, and times without a scan.
+void check_losses(const PointsRecord& points, InputReport& report) {
   if (points.empty > 0) {
     add_fault(report,
               formatted("%zu of %zu scans have no points", points.empty, points.topic.count),
@@ -158,6 +167,22 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
     add_warning(report, formatted("%.1f s without a scan", gap),
                 "scans were lost when recording: record with a larger buffer (rosbag record -b)");
   }
+}
+
+}  // namespace
+
+InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                  const PreprocessingConfig& config) {
+  InputReport report = check_headers("points", points.topic, lookup);
+  if (points.topic.count == 0) {
+    add_fault(report, "nothing came on the topic of the points", "remap `points`");
+    return report;
+  }
+  check_content(points, config, report);
+  check_stamps(points, config, report);
+  check_positions(points, lookup, report);
+  check_seam(points, config, report);
+  check_losses(points, report);
   return report;
 }
 

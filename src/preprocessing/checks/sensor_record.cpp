@@ -69,14 +69,11 @@ void check_place(const std::string& frame, const ExtrinsicLookup& lookup, InputR
       "transforms are in metres (REP 103); correct its publisher");
 }
 
-InputReport check_headers(const std::string& input, const TopicStatistics& topic,
-                          const ExtrinsicLookup& lookup) {
-  InputReport report{input, "nothing came", {}};
-  if (topic.count == 0) return report;
-  report.found = formatted("%.1f Hz, frame %s", topic.rate(),
-                           topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
-  const std::string frame = topic.frame();
-  const std::string without = input == "points"
+namespace {
+
+/// The rest of the pipeline has to know where the sensor is.
+void check_transform(const std::string& frame, const ExtrinsicLookup& lookup, InputReport& report) {
+  const std::string without = report.input == "points"
                                   ? "map_bag takes the frame of the scans for that of the vehicle; "
                                   : "without it the sensor is not used; ";
   if (frame.empty()) {
@@ -87,17 +84,24 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
         report, "no transform from '" + frame + "' to the vehicle's frame",
         without + "publish it on /tf_static (static_transform_publisher), or set base_frame");
   }
-  if (!topic.other_frame_id.empty()) {
-    add_warning(report,
-                "the messages name several frames, '" + topic.frame_id + "' and '" +
-                    topic.other_frame_id + "'",
-                "give each sensor a topic of its own, or each frame a transform");
-  }
-  if (input != "points") check_place(frame, lookup, report);  // clouds may be in a moving frame
-  if (frame != topic.frame_id) {
-    add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
-                "it is left out here; correct the driver");
-  }
+}
+
+void check_frame_names(const TopicStatistics& topic, InputReport& report) {
+  if (topic.other_frame_id.empty()) return;
+  add_warning(report,
+              "the messages name several frames, '" + topic.frame_id + "' and '" +
+                  topic.other_frame_id + "'",
+              "give each sensor a topic of its own, or each frame a transform");
+}
+
+void check_leading_slash(const TopicStatistics& topic, InputReport& report) {
+  if (topic.frame() == topic.frame_id) return;
+  add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
+              "it is left out here; correct the driver");
+}
+
+/// Only the first cause counts: each of them makes stamps that do not increase.
+void check_order(const TopicStatistics& topic, InputReport& report) {
   if (topic.newest == 0) {
     add_fault(report, "the stamps are 0",
               "the driver must stamp its messages; map_bag takes the times of their recording");
@@ -119,6 +123,22 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
     add_fault(report, formatted("%zu of %zu stamps do not increase", topic.backward, topic.count),
               "two publishers on one topic, or a recording that starts again; keep one of them");
   }
+}
+
+}  // namespace
+
+InputReport check_headers(const std::string& input, const TopicStatistics& topic,
+                          const ExtrinsicLookup& lookup) {
+  InputReport report{input, "nothing came", {}};
+  if (topic.count == 0) return report;
+  report.found = formatted("%.1f Hz, frame %s", topic.rate(),
+                           topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
+  check_transform(topic.frame(), lookup, report);
+  check_frame_names(topic, report);
+  if (input != "points")
+    check_place(topic.frame(), lookup, report);  // clouds may be in a moving frame
+  check_leading_slash(topic, report);
+  check_order(topic, report);
   return report;
 }
 

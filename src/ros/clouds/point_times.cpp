@@ -96,14 +96,15 @@ Bounds unrolled_bounds(const CloudView& message, const TimeFields& fields, const
   return bounds;
 }
 
-struct BrokenScan {
-  Round round;
+/// How the counts of a scan are to be read.
+struct ScanCounts {
+  Round round;  ///< of a clock that began anew
   Unit unit;
   Bounds bounds;  ///< unrolled
 };
 
 /// The round of a clock whose times reach from its beginning to its end.
-std::optional<BrokenScan> broken_scan(const CloudView& message, const TimeFields& fields,
+std::optional<ScanCounts> broken_scan(const CloudView& message, const TimeFields& fields,
                                       const preprocessing::PreprocessingConfig& config) {
   if (fields.second != nullptr) return std::nullopt;
   const Bounds bounds = bounds_of(message, fields, 0.0);
@@ -117,7 +118,7 @@ std::optional<BrokenScan> broken_scan(const CloudView& message, const TimeFields
       const Round round{0.5 * length, length};
       const Bounds unrolled = unrolled_bounds(message, fields, round);
       if (is_span_of_scan((unrolled.max - unrolled.min) * unit.seconds, config.scan_period)) {
-        return BrokenScan{round, unit, unrolled};
+        return ScanCounts{round, unit, unrolled};
       }
     }
   }
@@ -130,6 +131,14 @@ Unit usual_unit(const TimeFields& fields) {
   const bool counts =
       size_of(type) >= 4 && type != PointField::FLOAT32 && type != PointField::FLOAT64;
   return counts ? kUnits[3] : kUnits[0];
+}
+
+/// The unit that fits a scan, if need be one whose clock began anew; otherwise the usual one.
+ScanCounts counts_of(const CloudView& message, const TimeFields& fields, const Bounds& bounds,
+                     const preprocessing::PreprocessingConfig& config) {
+  if (const auto unit = fitting_unit(fields, bounds, config)) return {{}, *unit, bounds};
+  if (const auto broken = broken_scan(message, fields, config)) return *broken;
+  return {{}, usual_unit(fields), bounds};
 }
 
 /// How the counts of the fields become seconds: those from the base are counted from `origin`.
@@ -164,6 +173,45 @@ double since_stamp(double base, double counts, double unit, const ros::Time& sta
   return seconds + (rest * unit - 1e-9 * stamp.nsec);
 }
 
+/// What the times of a scan count from.
+enum class TimeOrigin {
+  kStamp,         ///< its own stamp
+  kClock,         ///< the epoch of the clock of the stamps
+  kForeignClock,  ///< that of another clock: the first point counts as being at the stamp
+};
+
+/// The earliest time of a scan.
+struct FirstTime {
+  TimeOrigin origin;
+  double seconds;  ///< after the stamp
+};
+
+/// Times of about a scan's length count from its stamp, greater ones from elsewhere.
+FirstTime first_time(double base, const ScanCounts& counts, const ros::Time& stamp,
+                     const preprocessing::PreprocessingConfig& config) {
+  const double first = (base + counts.bounds.min) * counts.unit.seconds;
+  if (std::abs(first) < kMaxSpanRatio * config.scan_period) return {TimeOrigin::kStamp, first};
+  const double from_stamp = since_stamp(base, counts.bounds.min, counts.unit.seconds, stamp);
+  if (std::abs(from_stamp) < kSameClock) return {TimeOrigin::kClock, from_stamp};
+  return {TimeOrigin::kForeignClock, 0.0};
+}
+
+void describe_times(const TimeFields& fields, const ScanCounts& counts, const FirstTime& first,
+                    CloudFormat& format) {
+  format.time_field = fields.name();
+  format.time_unit = counts.unit.name;
+  format.absolute_times = first.origin == TimeOrigin::kClock;
+  format.foreign_clock = first.origin == TimeOrigin::kForeignClock;
+  format.first_time = first.seconds;
+  format.last_time = first.seconds + (counts.bounds.max - counts.bounds.min) * counts.unit.seconds;
+}
+
+/// Times that were read as counts from the stamp become seconds.
+void scale_times(const Unit& unit, std::vector<float>& times) {
+  if (unit.seconds == 1.0) return;
+  for (float& time : times) time *= static_cast<float>(unit.seconds);
+}
+
 }  // namespace
 
 void decode_times(const CloudView& message, const TimeFields& fields,
@@ -171,42 +219,22 @@ void decode_times(const CloudView& message, const TimeFields& fields,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result) {
   std::vector<float>& times = result.scan.cloud.times;
   const double base = time_base(message, fields);
-  Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, fields, base);
+  const Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, fields, base);
   if (!(bounds.max > bounds.min)) {  // the driver does not fill the fields
     times.clear();
     return;
   }
-  std::optional<Unit> fitting = fitting_unit(fields, bounds, config);
-  Round round;
-  if (!fitting) {
-    if (const auto broken = broken_scan(message, fields, config)) {
-      round = broken->round;
-      fitting = broken->unit;
-      bounds = broken->bounds;
-    }
-  }
-  const Unit unit = fitting.value_or(usual_unit(fields));
-  const double longest = kMaxSpanRatio * config.scan_period;
-  const double first = (base + bounds.min) * unit.seconds;
-  const double from_stamp = since_stamp(base, bounds.min, unit.seconds, message.header.stamp);
-  CloudFormat& format = result.format;
-  format.time_field = fields.name();
-  format.time_unit = unit.name;
-  const bool is_relative = std::abs(first) < longest;
-  format.absolute_times = !is_relative && std::abs(from_stamp) < kSameClock;
-  format.foreign_clock = !is_relative && !format.absolute_times;
-  const double shift = is_relative ? first : format.absolute_times ? from_stamp : 0.0;
-  result.scan.times_are_absolute = format.absolute_times;
-  format.first_time = shift;
-  format.last_time = shift + (bounds.max - bounds.min) * unit.seconds;
-  if (read && is_relative) {
-    result.scan.time_span = {format.first_time, format.last_time};
-    if (unit.seconds == 1.0) return;
-    for (float& time : times) time *= static_cast<float>(unit.seconds);
-    return;
+  const ScanCounts counts = counts_of(message, fields, bounds, config);
+  const FirstTime first = first_time(base, counts, message.header.stamp, config);
+  describe_times(fields, counts, first, result.format);
+  result.scan.times_are_absolute = result.format.absolute_times;
+  if (read && first.origin == TimeOrigin::kStamp) {
+    result.scan.time_span = {result.format.first_time, result.format.last_time};
+    return scale_times(counts.unit, times);
   }
   times.resize(result.scan.cloud.size());
-  read_times(message, fields, {base, bounds.min, unit.seconds, shift, round}, times);
+  read_times(message, fields,
+             {base, counts.bounds.min, counts.unit.seconds, first.seconds, counts.round}, times);
 }
 
 }  // namespace lidar_mapping::ros_border

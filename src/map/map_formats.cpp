@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_formats.hpp"
+
+#include <optional>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/map/map_files.hpp"
+#include "lidar_mapping/map/write_products.hpp"
+
+#include "geotiff_files.hpp"
+#include "product_writer.hpp"
+#include "web_page.hpp"
+
+namespace lidar_mapping::map {
+
+const std::vector<MapFormat>& map_formats() {
+  static const std::vector<MapFormat> formats = {
+      {"pcd", "", true, &write_pcd, nullptr},
+      {"ply", "", true, &write_ply, nullptr},
+      {"png", "view from above", false, nullptr, &ProductWriter::write_picture},
+      {"las", "", true, nullptr, &ProductWriter::write_las},
+      {"tiles", "Autoware", false, nullptr, &ProductWriter::write_tiles},
+      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid},
+      {"ept", "Entwine Point Tiles", false, nullptr, &ProductWriter::write_ept},
+      {"web", "page for a browser", false, nullptr, &ProductWriter::write_web, &web_obstacle},
+      {"geotiff", "rasters", false, nullptr, &ProductWriter::write_geotiff, &geotiff_obstacle},
+      {"geojson", "trajectory, loops, doubt", false, nullptr, &ProductWriter::write_geojson},
+      {"changes", "between visits", false, nullptr, &ProductWriter::write_changes}};
+  return formats;
+}
+
+const MapFormat* find_format(const std::string& name) {
+  for (const MapFormat& format : map_formats()) {
+    if (format.name == name) return &format;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
+  std::vector<std::string> result;
+  for (const std::string& format : formats) {
+    result.push_back(lower_case(format));
+    if (find_format(result.back()) == nullptr) {
+      throw InputError("map format '" + format + "' is not known; use " +
+                       joined(product_formats()));
+    }
+    const std::string obstacle = obstacle_to(result.back());
+    if (!obstacle.empty()) throw InputError("map format '" + format + "': " + obstacle);
+  }
+  return result;
+}
+
+void check_formats(const std::vector<std::string>& formats) { known_formats(formats); }
+
+std::string obstacle_to(const std::string& format) {
+  const MapFormat* known = find_format(format);
+  return known == nullptr || known->obstacle == nullptr ? std::string() : known->obstacle();
+}
+
+const std::vector<std::string>& product_formats() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const MapFormat& format : map_formats()) all.emplace_back(format.name);
+    return all;
+  }();
+  return names;
+}
+
+std::string product_format_help() {
+  std::vector<std::string> texts;
+  for (const MapFormat& format : map_formats()) {
+    texts.emplace_back(format.name);
+    if (*format.remark != '\0') texts.back() += " (" + std::string(format.remark) + ")";
+  }
+  return joined(texts);
+}
+
+std::vector<std::string> single_file_formats() {
+  std::vector<std::string> names;
+  for (const MapFormat& format : map_formats()) {
+    if (format.single_file) names.emplace_back(format.name);
+  }
+  return names;
+}
+
+std::vector<std::string> point_formats() {
+  std::vector<std::string> names;
+  for (const MapFormat& format : map_formats()) {
+    if (format.write_points != nullptr) names.emplace_back(format.name);
+  }
+  return names;
+}
+
+}  // namespace lidar_mapping::map
