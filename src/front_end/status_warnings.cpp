@@ -8,18 +8,17 @@ namespace lidar_mapping::front_end {
 std::vector<StatusWarning> warnings_of(const FrontEndStatus& status) {
   std::vector<StatusWarning> warnings;
   if (status.map_points_dropped > 0) {
-    warnings.push_back(
-        {kFullMapKey,
-         "the odometry's local map is full: " + std::to_string(status.map_points_dropped) +
-             " points found no room in it so far; a larger voxel_size or a smaller "
-             "local_map_radius makes room"});
+    warnings.push_back({kFullMapKey, "the odometry's local map is full: " +
+                                         std::to_string(status.map_points_dropped) +
+                                         " points could not be inserted so far; choose a larger "
+                                         "voxel_size or a smaller local_map_radius"});
   }
   if (status.stamp_jitter > 0.0) {
     warnings.push_back(
         {"jitter",
          formatted("the stamps of the scans scatter by %.0f ms while the sensor turns regularly: "
-                   "the odometry counts turns instead; IMU, velocity and GNSS are still taken at "
-                   "the stamps, so have the driver stamp scans by the sensor's clock",
+                   "the odometry counts turns instead, but IMU, velocity and GNSS are still taken "
+                   "at the stamps; let the driver stamp scans by the sensor's clock",
                    1e3 * status.stamp_jitter)});
   }
   if (status.sweep_times.source != SweepTimes::kAsGiven) {
@@ -39,11 +38,10 @@ std::vector<StatusWarning> warnings_of(const FrontEndStatus& status) {
          "axes (tf) and whether its sensor measures, or set use_velocity: false"});
   }
   if (status.unseen_way > 0.0) {
-    warnings.push_back(
-        {"ride",
-         "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
-         "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
-         "unless loops or GNSS put them right"});
+    warnings.push_back({"ride",
+                        "imu: the accelerometer measures a vertical motion that the points do not "
+                        "show, as in a lift: the odometry does not follow it, and heights are "
+                        "wrong from now on unless loops or GNSS correct them"});
   }
   return warnings;
 }

@@ -16,10 +16,10 @@ std::string left_out_line(const LeftOutWays& left_out) {
   const auto add = [&](double way, const std::string& reason) {
     if (way >= kLeastShownWay) ways.push_back(formatted("%.0f m %s", way, reason.c_str()));
   };
-  add(left_out.never_found, "from which odometry leads to no place that was found in the map");
-  add(left_out.too_short, formatted("in stretches of less than %g m", kLeastNewWay));
+  add(left_out.never_found, "that odometry does not connect to any place found in the map");
+  add(left_out.too_short, formatted("in sections shorter than %g m", kLeastNewWay));
   add(left_out.not_tied,
-      formatted("that less than %zu ties hold without contradiction", kLeastTies));
+      formatted("with fewer than %zu consistent constraints to the map", kLeastTies));
   return ways.empty() ? "" : "left out: " + joined(ways, "; ");
 }
 
@@ -32,9 +32,9 @@ std::string added_line(const ExtensionReport& report) {
   }
   const std::size_t stretches = report.extension.stretches.size();
   return formatted(
-      "new to the map: %.0f m in %zu %s; with what lies beside them %zu key frames, held by %zu "
-      "ties",
-      new_way, stretches, stretches == 1 ? "stretch" : "stretches", report.key_frames, ties);
+      "added to the map: %.0f m of new path in %zu %s; %zu key frames including those of the "
+      "adjacent known path, with %zu constraints to the map",
+      new_way, stretches, stretches == 1 ? "section" : "sections", report.key_frames, ties);
 }
 
 }  // namespace

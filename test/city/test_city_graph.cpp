@@ -145,7 +145,7 @@ TEST_F(CityGraph, ADriveElsewhereIsLeftOutAndNamed) {
   EXPECT_EQ(city.drives[0].state, DriveState::kJoined);
   EXPECT_EQ(city.drives[1].state, DriveState::kUnconnected);
   ASSERT_EQ(city.drives[1].notices.size(), 1U);
-  EXPECT_NE(city.drives[1].notices[0].find("nothing joins"), std::string::npos);
+  EXPECT_NE(city.drives[1].notices[0].find("neither a loop nor GNSS connects"), std::string::npos);
   write_city(city, {}, path("city"));
   EXPECT_EQ(opened(path("city")).key_frame_count(), square_.size());
 }

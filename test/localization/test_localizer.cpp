@@ -343,7 +343,7 @@ TEST(Localizer, GivesUpAPlaceThatOdometryHasLeftUnknown) {
   const auto results = vehicle.drive(at_speed({-60.0, 0.0}, {60.0, 0.0}));
   EXPECT_EQ(results.front().state, LocalizationState::kBesideMap);
   EXPECT_EQ(results.back().state, LocalizationState::kLost);
-  EXPECT_NE(results.back().reason.find("known to 5 m only"), std::string::npos);
+  EXPECT_NE(results.back().reason.find("is above 5 m"), std::string::npos);
 }
 
 TEST(Localizer, SearchesAgainAfterAnInterruptionOfOdometry) {

@@ -154,8 +154,7 @@ TEST_F(FrontEndNode, SaysOnceThatABagIsPlayedAgain) {
   drive(12, 13);
   ASSERT_TRUE(odometry_.wait_for(13));
   EXPECT_EQ(from_ros(odometry_.messages.back().header.stamp), stamp_of(12));
-  EXPECT_TRUE(node_->says("time went back: one start of the nodes maps one drive"))
-      << node_->output();
+  EXPECT_TRUE(node_->says("time went back: the nodes map one drive per start")) << node_->output();
   EXPECT_EQ(node_->count("time went back"), 1U) << node_->output();
   EXPECT_FALSE(node_->says("message left out")) << node_->output();
 }

@@ -161,7 +161,7 @@ TEST_F(Track, KeepsTheLastTwoHundredFixesThatWait) {
   for (int i = 0; i < 250; ++i) EXPECT_EQ(add(fix_at(0.05 * i)), Insertion::kInserted);
   const std::vector<std::string> dropped = evaluate_all();
   ASSERT_EQ(dropped.size(), 50U) << "the others are counted as refused";
-  EXPECT_NE(dropped[0].find("before 200 later ones"), std::string::npos) << dropped[0];
+  EXPECT_NE(dropped[0].find("before 200 later fixes came"), std::string::npos) << dropped[0];
   EXPECT_TRUE(evaluate_all().empty()) << "they are told once";
   EXPECT_EQ(track_.stream().buffer().oldest().stamp, at(0.05 * 50));
   EXPECT_EQ(track_.stream().buffer().newest().stamp, at(0.05 * 249));

@@ -94,7 +94,7 @@ TEST(CheckHeaders, SaysWhatAMissingTransformMeans) {
   EXPECT_EQ(of_gnss.find("WARNING no transform from 'gps'"), 0U) << of_gnss;
   EXPECT_NE(of_gnss.find("without it the sensor is not used"), std::string::npos) << of_gnss;
   const std::string of_points = problems_of(check_headers("points", topic, lookup));
-  EXPECT_NE(of_points.find("takes the frame of the scans"), std::string::npos) << of_points;
+  EXPECT_NE(of_points.find("uses the frame of the scans"), std::string::npos) << of_points;
 }
 
 TEST(CheckHeaders, LooksUpFramesWithoutTheirLeadingSlash) {

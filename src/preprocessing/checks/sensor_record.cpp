@@ -77,7 +77,7 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
                            topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
   const std::string frame = topic.frame();
   const std::string without = input == "points"
-                                  ? "map_bag takes the frame of the scans for that of the vehicle; "
+                                  ? "map_bag uses the frame of the scans as that of the vehicle; "
                                   : "without it the sensor is not used; ";
   if (frame.empty()) {
     add_warning(report, "the messages name no frame",
