@@ -115,7 +115,7 @@ class CityGraph : public ::testing::Test {
   Stamp next_ = 0;
 };
 
-TEST_F(CityGraph, DrivesWithoutGnssAreJoinedByWhatTheySaw) {
+TEST_F(CityGraph, DrivesWithoutGnssAreConnectedByLoops) {
   record("a", square_, 1.001, 2e-4);
   record("b", crossing_, 0.999, -2e-4);
   const auto loops = search({"a", "b"});

@@ -61,7 +61,7 @@ TEST(FreeSpaceImage, TestsOnlyWhereItHasReturns) {
 }
 
 // At the edge of the field of view the ground may lie right below the last returns.
-TEST(FreeSpaceImage, SawThroughOnlyWhereEachRowAroundHasReturns) {
+TEST(FreeSpaceImage, IsFreeOnlyWhereEachRowAroundHasReturns) {
   const auto saw_through = [](const std::array<float, 9>& ranges, float range) {
     return image_of(ranges).saw_through(at(range, 0.75, 1.0));
   };

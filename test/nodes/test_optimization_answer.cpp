@@ -30,7 +30,7 @@ bool says(const OptimizeMap::Response& answer, const std::string& text) {
   return answer.message.find(text) != std::string::npos;
 }
 
-TEST(OptimizationAnswer, SaysWhatAPersonWantsToKnow) {
+TEST(OptimizationAnswer, StatesMovementConstraintsAndTheNextCall) {
   const OptimizeMap::Response answer = to_answer(example());
   for (const char* text :
        {"408 key frames optimised in 0.62 s",
@@ -48,7 +48,7 @@ TEST(OptimizationAnswer, SaysWhatAPersonWantsToKnow) {
   EXPECT_DOUBLE_EQ(answer.cost_after, 31.7);
 }
 
-TEST(OptimizationAnswer, SaysThatNothingMovedAndThatThereWasNothingToGoBy) {
+TEST(OptimizationAnswer, StatesThatNothingMovedAndThatThereWereNoConstraints) {
   MapOptimization done = example();
   done.moved.largest = done.moved.mean = 0.0002;
   done.corrected.largest = 0.0;

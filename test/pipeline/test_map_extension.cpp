@@ -108,7 +108,7 @@ TEST(MapExtension, MakesOneStretchOfTwoThatMeet) {
   EXPECT_NEAR(stretch.new_way, street_way(20), kTolerance);
 }
 
-TEST(MapExtension, KeepsTwoApartWithALongKnownWayBetweenThem) {
+TEST(MapExtension, SeparatesTwoWithALongKnownPathBetweenThem) {
   const auto drive = street_drive(
       times(20, 'f') + times(10, 'b') + times(40, 'f') + times(10, 'b') + times(20, 'f'), 0);
   const MapExtension extension = plan_extension(drive, street_map(101));
@@ -118,7 +118,7 @@ TEST(MapExtension, KeepsTwoApartWithALongKnownWayBetweenThem) {
 }
 
 // The place was given up where nothing of the map was in sight any more; odometry goes on.
-TEST(MapExtension, GoesOnWhereThePlaceWasGivenUp) {
+TEST(MapExtension, ContinuesWhereThePlaceWasGivenUp) {
   const auto drive = street_drive(times(30, 'f') + times(10, 'b') + times(20, 'l'), 20);
   const NewStretch stretch = only_stretch(plan_extension(drive, street_map()));
   EXPECT_EQ(stretch.end, 60U);
@@ -150,7 +150,7 @@ TEST(MapExtension, EndsWhereOdometryDoes) {
   EXPECT_NEAR(extension.left_out.never_found, street_way(9), kTolerance);
 }
 
-TEST(MapExtension, LeavesOutWhatTooFewTiesHold) {
+TEST(MapExtension, LeavesOutSectionsWithTooFewTies) {
   const auto drive = street_drive(times(4, 'f') + times(10, 'b'), 46);
   const MapExtension extension = plan_extension(drive, street_map());
   EXPECT_TRUE(extension.stretches.empty());

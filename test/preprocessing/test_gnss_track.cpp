@@ -128,7 +128,7 @@ TEST_F(Track, RefusesFixesThatRepeatATimeOrComeTooLate) {
   EXPECT_EQ(add(fix_at(2)), Insertion::kInserted);
 }
 
-TEST_F(Track, TellsThatTimeWentBackByMoreThanTwoSeconds) {
+TEST_F(Track, ReportsThatTimeWentBackByMoreThanTwoSeconds) {
   drive(0, 5);
   EXPECT_EQ(add(fix_at(3.1)), Insertion::kRefused);
   EXPECT_EQ(add(fix_at(2.9)), Insertion::kTimeWentBack);
@@ -243,7 +243,7 @@ TEST_F(Track, UsesFixesWithoutAltitudeInThePlane) {
   EXPECT_NE(messages().find("at the height of the datum, 115.00 m"), std::string::npos);
 }
 
-TEST_F(Track, ForgetsFixesButNotItsFrame) {
+TEST_F(Track, DiscardsFixesButNotItsFrame) {
   drive(0, 3);
   ASSERT_EQ(add(fix_at(4)), Insertion::kInserted);
   track_.clear();

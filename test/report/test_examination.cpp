@@ -201,7 +201,7 @@ TEST(Examination, FindsWhereThePlaceJumps) {
   EXPECT_NEAR(odometry["rmse_m"], 0.8 * std::sqrt(10.0 / 45.0), 1e-6);
 }
 
-TEST(Examination, TellsOneJumpFromAnother) {
+TEST(Examination, DistinguishesOneJumpFromAnother) {
   ExaminedDrive drive = straight_drive();
   move_left(drive, 20, 0.8);
   move_left(drive, 40, -0.9);

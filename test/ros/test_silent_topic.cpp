@@ -27,7 +27,7 @@ TEST(WhySilent, SaysThatThereIsNone) {
             "driver");
 }
 
-TEST(WhySilent, TellsAPublisherThatIsSilentFromOneOfAnotherType) {
+TEST(WhySilent, DistinguishesASilentPublisherFromOneOfAnotherType) {
   EXPECT_EQ(why({{"/a", kType}, {"/imu", kType}}),
             "no message has arrived on /imu yet, although it is published");
   EXPECT_EQ(why({{"/imu", "std_msgs/String"}}),

@@ -176,7 +176,7 @@ TEST_F(Resume, RefusesAnotherRecording) {
   EXPECT_EQ(content_of(folder / "session.db"), before);
 }
 
-TEST_F(Resume, TakesTheRecordingWhereverItLies) {
+TEST_F(Resume, FindsTheRecordingInAnotherFolder) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
   const std::string moved = parent.path() / "renamed.bag";
