@@ -153,7 +153,7 @@ void fill_report(const OptimizationProblem& problem, const DriveGraph& solved,
   report.message = solution.success
                        ? "optimised " + std::to_string(solved.nodes.size()) + " key frames in " +
                              std::to_string(solution.iterations) + " iterations"
-                       : "the solver failed, poses are as before: " + solution.message;
+                       : "the solver failed and no pose has changed: " + solution.message;
 }
 
 /// Solves only the new constraints and their surroundings. If that is not sufficient, no pose
@@ -177,10 +177,10 @@ void report_placement(const DriveGraph& drive, const Georeference& alignment,
   std::ostringstream text;
   text.precision(3);
   if (alignment.inliers > 0) {
-    text << "placed in East-North-Up without bending it, " << alignment.rms_horizontal
-         << " m rms from " << alignment.inliers << " positions";
+    text << "placed in East-North-Up as a whole, without a change of its shape, "
+         << alignment.rms_horizontal << " m rms from " << alignment.inliers << " positions";
   } else {
-    text << "not placed in East-North-Up, the positions do not show how the map lies";
+    text << "not placed in East-North-Up, because the positions do not determine its heading";
   }
   report.message += "; " + text.str();
   report.remarks.push_back("the map is " + text.str());
@@ -197,9 +197,9 @@ void report_least_eigenvalue(const DriveFactors& factors,
   text << "; smallest eigenvalue of the information matrix " << report.least_eigenvalue;
   report.message += text.str();
   if (report.least_eigenvalue >= kWeaklyConstrained) return;
-  const std::string warning = "the constraints hardly hold the map";
+  const std::string warning = "the constraints hardly determine the map";
   report.message += ": " + warning;
-  report.remarks.push_back(warning + ", parts of it may lie metres away from where they are");
+  report.remarks.push_back(warning + ", so parts of it may be wrong by metres");
 }
 
 /// Finds the poses of the whole drive from all constraints, then again with the errors of odometry

@@ -220,8 +220,8 @@ void CityGraph::leave_out_contradicting_gnss() {
     parts_[bad.drive].gnss.clear();
     drive.uses_gnss = false;
     drive.notices.push_back(formatted(
-        "its GNSS is left out: by loops it lies %.1f m beside that of %s; it contradicts %zu "
-        "drives and agrees with %zu",
+        "its GNSS positions are not used: according to loops they are %.1f m away from those of "
+        "%s; they contradict %zu drives and agree with %zu",
         bad.offset, city_.drives[bad.other_drive].name.c_str(), bad.contradicted, bad.confirmed));
   }
 }
@@ -269,8 +269,8 @@ void CityGraph::detach(std::size_t drive_number) {
   JoinedDrive& drive = city_.drives[drive_number];
   drive.state = DriveState::kDetached;
   drive.notices.push_back(
-      formatted("it contradicts the other drives: of its loops to them the graph refuses %zu and "
-                "uses %zu; look at its own report",
+      formatted("it contradicts the other drives: the graph refuses %zu of its loops to them and "
+                "uses %zu; the report of this drive may show the cause",
                 drive.loops.refused, drive.loops.used));
   drive.left_out = drive.key_frames.size();
   drive.key_frames.clear();
@@ -295,9 +295,9 @@ void CityGraph::keep_largest_part(const std::vector<int>& parts) {
     drive.key_frames = std::move(kept);
     if (drive.left_out == 0) continue;
     if (drive.key_frames.empty()) drive.state = DriveState::kUnconnected;
-    drive.notices.push_back(formatted(
-        "nothing joins %zu of its %zu key frames to the city: no loop and no GNSS in both",
-        drive.left_out, drive.left_out + drive.key_frames.size()));
+    drive.notices.push_back(
+        formatted("neither a loop nor GNSS connects %zu of its %zu key frames to the city",
+                  drive.left_out, drive.left_out + drive.key_frames.size()));
   }
 }
 

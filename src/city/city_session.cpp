@@ -91,7 +91,9 @@ void write_city(const JoinedCity& city, const back_end::BackEndConfig& config,
       std::find_if(city.drives.begin(), city.drives.end(),
                    [](const JoinedDrive& drive) { return !drive.key_frames.empty(); });
   if (first == city.drives.end()) {
-    throw InputError("no drive has a key frame, so there is no city; look at the drives' reports");
+    throw InputError(
+        "no drive has a key frame, so there is no city; the reports of the drives may show the "
+        "cause");
   }
   session::create_filled(folder, [&](Session& session) { fill(city, config, *first, session); });
 }

@@ -61,7 +61,7 @@ class HeaderReader {
     if (key.empty()) fail("a line of white space, which ends the header for PCL");
     const auto place = std::find(kOrder.begin(), kOrder.end(), key);
     if (place == kOrder.end()) fail("'" + key.substr(0, 40) + "' is no line of a header");
-    if (place < next_) fail(key + " stands twice or behind " + *(next_ - 1));
+    if (place < next_) fail(key + " is given twice or after " + *(next_ - 1));
     for (; next_ != place; ++next_) require_optional(*next_);
     ++next_;
     words_.clear();

@@ -28,8 +28,9 @@ bool claims_pose(TrackingState state) {
 
 std::string elevation_message(double elevation_shift) {
   return formatted(
-      "the sensor's elevations were found to lack %.2f deg: points are turned upwards by that from "
-      "here on; add it to vertical_angle_correction_deg to have it from the start",
+      "the elevation angles of the sensor are too low by %.2f deg, so points are rotated upwards "
+      "by this angle from now on; add it to vertical_angle_correction_deg to correct the whole "
+      "drive",
       elevation_shift * kDegPerRad);
 }
 

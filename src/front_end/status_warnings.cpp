@@ -15,15 +15,15 @@ namespace {
 std::string full_map_warning(const FrontEndStatus& status) {
   if (status.map_points_dropped == 0) return {};
   return "the odometry's local map is full: " + std::to_string(status.map_points_dropped) +
-         " points found no room in it so far; a larger voxel_size or a smaller "
-         "local_map_radius makes room";
+         " points could not be inserted so far; choose a larger voxel_size or a smaller "
+         "local_map_radius";
 }
 
 std::string jitter_warning(const FrontEndStatus& status) {
   if (!(status.stamp_jitter > 0.0)) return {};
   return formatted(
       "the stamps of the scans scatter by %.0f ms while the sensor turns regularly: the odometry "
-      "counts turns instead; IMU, velocity and GNSS are still taken at the stamps, so have the "
+      "counts turns instead, but IMU, velocity and GNSS are still taken at the stamps; let the "
       "driver stamp scans by the sensor's clock",
       1e3 * status.stamp_jitter);
 }
@@ -48,9 +48,9 @@ std::string velocity_warning(const FrontEndStatus& status) {
 
 std::string ride_warning(const FrontEndStatus& status) {
   if (!(status.vertical_ride_distance > 0.0)) return {};
-  return "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
-         "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
-         "unless loops or GNSS put them right";
+  return "imu: the accelerometer measures a vertical motion that the points do not show, as in a "
+         "lift: the odometry does not follow it, and heights are wrong from now on unless loops or "
+         "GNSS correct them";
 }
 
 struct WarningKind {

@@ -26,17 +26,19 @@ std::string sentence(Evidence evidence, const Agreement& agreement) {
   const double shown = 100.0 * agreement.agreement;
   switch (evidence) {
     case Evidence::kAgrees:
-      return formatted("the map shows %.0f %% of what stands here", shown);
+      return formatted("%.0f %% of the surroundings agree with the map", shown);
     case Evidence::kUnconfirmed:
-      return formatted("the map shows %.0f %% of what stands here, to be confirmed; by odometry",
-                       shown);
+      return formatted(
+          "%.0f %% of the surroundings agree with the map, but the place is not confirmed yet; the "
+          "pose is that of odometry",
+          shown);
     case Evidence::kUnknown:
     case Evidence::kContradicts:
       break;
   }
   return formatted(
-      "the map knows %.0f %% of %zu points and shows %.0f %% of what stands here; by "
-      "odometry",
+      "the map contains the places of %.0f %% of %zu points, and %.0f %% of the surroundings agree "
+      "with it; the pose is that of odometry",
       100.0 * agreement.coverage, agreement.points, shown);
 }
 
@@ -138,7 +140,7 @@ class Localizer::Impl {
     result.state = evidence == Evidence::kAgrees ? LocalizationState::kFollowing
                                                  : LocalizationState::kBesideMap;
     if (position_stddev(found_->estimate()) > kGreatestStddev) {
-      give_up(formatted("the place is known to %.0f m only", kGreatestStddev));
+      give_up(formatted("the standard deviation of the position is above %.0f m", kGreatestStddev));
     } else if (found_->is_refuted()) {
       give_up(result.reason);
     }
@@ -181,7 +183,7 @@ class Localizer::Impl {
     finder_.restart();
     lost_because_.reset();
     result.state = LocalizationState::kFollowing;
-    result.reason = formatted("found at probability %.3f", result.probability);
+    result.reason = formatted("the place was found with a probability of %.3f", result.probability);
     return result;
   }
 

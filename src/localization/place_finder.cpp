@@ -149,9 +149,10 @@ bool PlaceFinder::claim_contradicts(const Hypothesis& place) const {
 }
 
 std::string PlaceFinder::reason() const {
-  if (hypotheses_.size() == 0) return "no place of the map looks like this";
-  if (hypotheses_.size() == 1) return "one place is possible, to be confirmed";
-  return formatted("%zu places look alike; the way has to decide", hypotheses_.size());
+  if (hypotheses_.size() == 0) return "no place in the map matches the scan";
+  if (hypotheses_.size() == 1) return "one place is possible, but it is not confirmed yet";
+  return formatted("%zu places look alike; the search continues while the vehicle drives on",
+                   hypotheses_.size());
 }
 
 }  // namespace lidar_mapping::localization

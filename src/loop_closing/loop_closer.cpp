@@ -157,8 +157,8 @@ void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosi
   if (group.empty()) {
     result.verdicts.back().verdict = Verdict::kUndecided;
     result.verdicts.back().reason = formatted(
-        "nothing joins the two segments yet, and matches that agree span less than %g m "
-        "(unanchored_path_length)",
+        "the two segments are not connected yet, and the matches that agree with each other cover "
+        "less than %g m of path (unanchored_path_length)",
         config_.unanchored_path_length);
   }
   for (const Loop& member : group) {

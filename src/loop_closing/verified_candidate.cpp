@@ -66,7 +66,9 @@ bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b) {
 
 VerifiedCandidate without_cloud(const Candidate& candidate) {
   VerifiedCandidate result{
-      candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
+      candidate,
+      {},
+      {Verdict::kUndecided, "the cloud of one of the two key frames is not available"}};
   result.match.alignment.T_target_source = candidate.T_from_to;
   return result;
 }
@@ -124,8 +126,9 @@ void leave_rivals_undecided(std::vector<VerifiedCandidate>& verified,
   for (std::size_t i = 0; i < verified.size(); ++i) {
     if (!rivals[i]) continue;
     verified[i].decision = {Verdict::kUndecided,
-                            "nothing joins the two segments yet, and key frame " +
-                                std::to_string(*rivals[i]) + ", elsewhere, looks the same"};
+                            "the two segments are not connected yet, and key frame " +
+                                std::to_string(*rivals[i]) +
+                                ", at another place, matches equally well"};
   }
 }
 

@@ -204,7 +204,7 @@ void BackEndNode::report_missing() {
   const std::size_t missing = key_frames_.missing();
   const std::size_t before = std::exchange(reported_missing_, missing);
   context_.diagnostics.set("key frames given up", missing);
-  if (missing > before) ROS_WARN_STREAM("key frames that never came: " << missing - before);
+  if (missing > before) ROS_WARN_STREAM("key frames that did not arrive: " << missing - before);
 }
 
 void BackEndNode::store_sensor_origin() {
@@ -260,7 +260,7 @@ void BackEndNode::add_gnss(const nav_msgs::Odometry& message) {
       sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
   if (!T_base_antenna) {
     throw InputError("no transform from '" + message.child_frame_id + "' to '" +
-                     config_.node.base_frame + "': the antenna's place is not known");
+                     config_.node.base_frame + "': the position of the antenna is not known");
   }
   const GnssPosition position = from_message(message, T_base_antenna->translation);
   add_or_queue([position](Run& run) { run.add_gnss(position); });

@@ -187,11 +187,12 @@ bool FrontEndNode::is_replayed(Stamp stamp) {
     return false;
   }
   const std::string advice =
-      "time went back: one start of the nodes maps one drive; start them again for another one, or "
-      "for the same bag";
+      "time went back: the nodes map one drive per start; restart them to map another drive or to "
+      "play the same bag again";
   if (scans_replayed_++ == 0) {
-    ROS_ERROR_STREAM(advice << " (by " << to_seconds(previous_->stamp - stamp)
-                            << " s; scans are left out until it is past the last one)");
+    ROS_ERROR_STREAM(
+        advice << " (by " << to_seconds(previous_->stamp - stamp)
+               << " s; scans are left out until the time is later than that of the last scan)");
   }
   context_.diagnostics.set_state(Diagnostics::Level::kError, advice);
   context_.diagnostics.set("scans played again", scans_replayed_);
@@ -345,15 +346,15 @@ void FrontEndNode::show_figures(const front_end::FrontEndStatus& status) {
 void FrontEndNode::warn_of_repetition() {
   if (!limiter_.due("repeated")) return;
   ROS_WARN(
-      "the same scan came again under a new stamp: the LiDAR's driver hangs; the pose is a "
-      "prediction until new points arrive");
+      "the LiDAR's driver sent the same scan again with a new stamp; the pose is a prediction "
+      "until new points arrive");
 }
 
 void FrontEndNode::warn_of_match(const front_end::FrontEndStatus& status) {
   const char* const state = front_end::to_string(status.state);
   if (!limiter_.due(state)) return;
   ROS_WARN_STREAM("odometry is " << state << ": overlap " << status.overlap << ", fitness "
-                                 << status.fitness << " m^2, right with probability "
+                                 << status.fitness << " m^2, probability that the step is right "
                                  << status.probability);
 }
 

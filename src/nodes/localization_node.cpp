@@ -143,8 +143,8 @@ void LocalizationNode::set_initial_pose(const geometry_msgs::PoseWithCovarianceS
                      "'; give it in '" + config_.node.map_frame + "'");
   }
   initial_pose_ = from_message(message.pose.pose);
-  ROS_INFO_STREAM("looking near " << initial_pose_->translation.transpose() << " m, heading "
-                                  << yaw_of(initial_pose_->rotation) << " rad");
+  ROS_INFO_STREAM("searching near " << initial_pose_->translation.transpose() << " m, heading "
+                                    << yaw_of(initial_pose_->rotation) << " rad");
 }
 
 void LocalizationNode::process_ready() {

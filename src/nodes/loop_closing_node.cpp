@@ -30,9 +30,9 @@ constexpr std::chrono::milliseconds kIdle{10000};
 std::string loop_summary(const Loop& loop, std::size_t count) {
   std::ostringstream text;
   text.precision(2);
-  text << "loops: " << count << "; the newest: key frame " << loop.to << " sees key frame "
-       << loop.from << " again, overlap " << std::fixed << loop.overlap << std::defaultfloat
-       << ", fitness " << loop.fitness << " m^2";
+  text << "loops: " << count << "; the newest one: key frame " << loop.to
+       << " at the place of key frame " << loop.from << ", overlap " << std::fixed << loop.overlap
+       << std::defaultfloat << ", fitness " << loop.fitness << " m^2";
   return text.str();
 }
 

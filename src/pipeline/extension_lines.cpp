@@ -17,10 +17,10 @@ std::string omitted_line(const OmittedPaths& omitted) {
     if (length >= kLeastShownPathLength)
       lines.push_back(formatted("%.0f m %s", length, reason.c_str()));
   };
-  add(omitted.never_found, "from which odometry leads to no place that was found in the map");
-  add(omitted.too_short, formatted("in stretches of less than %g m", kLeastNewPathLength));
+  add(omitted.never_found, "that odometry does not connect to any place found in the map");
+  add(omitted.too_short, formatted("in sections shorter than %g m", kLeastNewPathLength));
   add(omitted.not_tied,
-      formatted("that less than %zu ties hold without contradiction", kLeastTies));
+      formatted("with fewer than %zu consistent constraints to the map", kLeastTies));
   return lines.empty() ? "" : "left out: " + joined(lines, "; ");
 }
 
@@ -33,9 +33,9 @@ std::string added_line(const ExtensionReport& report) {
   }
   const std::size_t sections = report.extension.sections.size();
   return formatted(
-      "new to the map: %.0f m in %zu %s; with what lies beside them %zu key frames, held by %zu "
-      "ties",
-      new_path_length, sections, sections == 1 ? "stretch" : "stretches", report.key_frames, ties);
+      "added to the map: %.0f m of new path in %zu %s; %zu key frames including those of the "
+      "adjacent known path, with %zu constraints to the map",
+      new_path_length, sections, sections == 1 ? "section" : "sections", report.key_frames, ties);
 }
 
 }  // namespace

@@ -102,9 +102,10 @@ void merge(const Session& map, const Session& drive, const std::vector<Loop>& ti
   merger.add(drive, ties);
   merger.finish();
   if (merger.parts().back().is_connected) return;
-  throw InputError("the loops between the map " + map.directory().string() +
-                   " and what the drive adds contradict its places in the map, so no session is "
-                   "written; map the drive with map_bag and join the two with merge_sessions");
+  throw InputError(
+      "the loops between the map " + map.directory().string() +
+      " and the new parts of the drive contradict the places at which the drive was localised, so "
+      "no session is written; map the drive with map_bag and merge both with merge_sessions");
 }
 
 /// The sections of a drive as a session, which goes with this object.
@@ -157,8 +158,8 @@ BackEndConfig checked_config(const fs::path& map) {
   const BackEndConfig config = stored_config<BackEndConfig>(session);
   if (config.use_loop_close) return config;
   throw InputError("the map " + session.directory().string() +
-                   " was made with use_loop_close: false, and loops would hold what is added to "
-                   "it; make the map with use_loop_close: true");
+                   " was made with use_loop_close: false, but new parts are connected to it by "
+                   "loops; make the map with use_loop_close: true");
 }
 
 }  // namespace

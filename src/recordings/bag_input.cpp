@@ -156,10 +156,10 @@ class BagInput::Impl {
   void choose_base_frame(const std::string& lidar_frame) {
     if (frames_.T_base(lidar_frame)) return;
     frames_notice_ = lidar_frame.empty() ? "the scans name no frame"
-                                         : "nothing in the recording leads from '" + lidar_frame +
+                                         : "the recording has no transform from '" + lidar_frame +
                                                "' to '" + frames_.base_frame() + "'";
     frames_notice_ +=
-        ": the frame of the scans stands for that of the vehicle (x forward, z up), and sensors in "
+        ": the frame of the scans is used as that of the vehicle (x forward, z up), and sensors in "
         "frames without a transform to it are not used";
     if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
   }
@@ -174,8 +174,7 @@ class BagInput::Impl {
                                     std::numeric_limits<Stamp>::max(), frames_);
     moving_frame_ = frame;
     frames_notice_ = "the scans are in '" + frame +
-                     "', in which the vehicle moves: /tf takes them "
-                     "back to '" +
+                     "', in which the vehicle moves: /tf transforms them back to '" +
                      frames_.base_frame() + "'";
   }
 

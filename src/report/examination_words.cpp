@@ -15,7 +15,7 @@ using json::Json;
 
 /// Words for the states in the order in which they are shown.
 constexpr const char* kStates[][2] = {{"following", "followed"},
-                                      {"beside_map", "beside the map"},
+                                      {"beside_map", "outside the map"},
                                       {"lost", "lost"},
                                       {"searching", "searched"}};
 
@@ -39,7 +39,7 @@ std::string state_lines(const Json& states) {
   std::string text;
   for (const auto& [state, words] : kStates) {
     text +=
-        formatted("  %-14s %7zu scans %9.1f m\n", words, states[state]["scans"].get<std::size_t>(),
+        formatted("  %-15s %7zu scans %9.1f m\n", words, states[state]["scans"].get<std::size_t>(),
                   states[state]["path_m"].get<double>());
   }
   return text;
@@ -78,7 +78,7 @@ std::string loss_lines(const Json& losses) {
     text += formatted("  lost after %.1f s for %zu scans and %.1f m, %s, ",
                       loss["begin_s"].get<double>(), loss["scans"].get<std::size_t>(),
                       loss["path_m"].get<double>(),
-                      loss["in_map"].get<bool>() ? "in the map" : "beside the map") +
+                      loss["in_map"].get<bool>() ? "in the map" : "outside the map") +
             place_words(loss) + ": " + loss["reason"].get<std::string>() + "\n";
   }
   return text;

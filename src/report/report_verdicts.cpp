@@ -138,7 +138,7 @@ json::Json uncertainty_line(const json::Json& uncertainty) {
   const std::string note = formatted("longest path without loop or GNSS: %.0f m, from %.0f m on",
                                      gap["length_m"].get<double>(), gap["begin_m"].get<double>());
   const std::string limit = formatted(
-      "below %.1f m, all tied and none doubtful; loops or GNSS on that path make it smaller",
+      "below %.1f m, all connected and none doubtful; loops or GNSS on that path make it smaller",
       kMaxSigma);
   const json::Json& first = uncertainty["largest"];
   const json::Json& step = uncertainty["largest_step"];
@@ -150,7 +150,7 @@ json::Json uncertainty_line(const json::Json& uncertainty) {
                                 place(step).c_str());
   const std::size_t not_tied = uncertainty["not_tied"];
   const std::size_t doubtful = uncertainty["doubtful"];
-  if (not_tied > 0) value += formatted("; %zu key frames are not tied to the first", not_tied);
+  if (not_tied > 0) value += formatted("; %zu key frames are not connected to the first", not_tied);
   if (doubtful > 0) value += formatted("; %zu are doubtful", doubtful);
   return line(name, value, sigma < kMaxSigma && not_tied == 0 && doubtful == 0, note, limit);
 }

@@ -18,10 +18,11 @@ namespace {
 
 constexpr const char* kListHead =
     "# Loops of the session. Edit a copy, then: optimize_session SESSION --loops FILE\n"
-    "#   auto   FROM TO   the graph decides\n"
-    "#   accept FROM TO   holds, whatever the graph thinks\n"
-    "#   refuse FROM TO   is left out\n"
-    "#   add    FROM TO [X Y Z [ROLL PITCH YAW]]   is matched from there (m, degrees) and holds\n";
+    "#   auto   FROM TO   the graph decides whether the loop is used\n"
+    "#   accept FROM TO   the loop is always used\n"
+    "#   refuse FROM TO   the loop is never used\n"
+    "#   add    FROM TO [X Y Z [ROLL PITCH YAW]]   the two are matched from this initial guess\n"
+    "#          (m, degrees), and the new loop is always used\n";
 
 std::string quoted(const std::string& text) {
   std::string result = "\"";

@@ -27,7 +27,7 @@ void print(const pipeline::MergedSession& part, const std::string& name) {
   std::printf("%s: key frames %u to %zu, %zu new loops\n", name.c_str(), part.first,
               part.first + part.key_frames - 1, part.new_loops);
   if (part.stamp_offset != 0) {
-    std::printf("  its stamps are %lld ns later, as others had the same\n",
+    std::printf("  its stamps were moved by %lld ns, because another session has the same ones\n",
                 static_cast<long long>(part.stamp_offset));
   }
   for (const std::string& notice : part.notices) std::printf("  %s\n", notice.c_str());
@@ -37,12 +37,14 @@ void print(const pipeline::MergedSession& part, const std::string& name) {
 void check_joined(const Options& options, const std::vector<pipeline::MergedSession>& parts) {
   for (std::size_t i = 1; i < parts.size(); ++i) {
     if (parts[i].is_connected) continue;
-    throw InputError("nothing joins " + options.sessions[i] + " to " + options.sessions[0] +
-                     ": no loop between them and no GNSS in both; " + options.output +
-                     " holds them side by side; name a place that both saw in a list ('add " +
-                     std::to_string(parts[0].first) + " " + std::to_string(parts[i].first) +
-                     "' with the key frames' numbers) and run optimize_session " + options.output +
-                     " --loops LIST");
+    const std::string pair = std::to_string(parts[0].first) + " " + std::to_string(parts[i].first);
+    throw InputError(
+        "neither a loop nor GNSS connects " + options.sessions[i] + " to " + options.sessions[0] +
+        ", so " + options.output +
+        " contains both without a connection; write a line such as 'add " + pair +
+        "' into a file LIST, with the numbers of two key frames at the same place, and "
+        "run optimize_session " +
+        options.output + " --loops LIST");
   }
 }
 
@@ -82,14 +84,15 @@ void merge(const Options& options) {
   }
   merge.finish();
   check_joined(options, merge.parts());
-  std::printf("one session in %s\n", options.output.c_str());
+  std::printf("merged session in %s\n", options.output.c_str());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Joins sessions to one, by loops between them or by GNSS; the parts stay as they are"};
+      "Merges sessions into one, by loops between them or by GNSS; the given sessions are not "
+      "changed"};
   Options options;
   app.add_option("sessions", options.sessions, "folders of two or more sessions")
       ->required()

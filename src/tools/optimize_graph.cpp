@@ -127,14 +127,14 @@ int main(int argc, char** argv) {
   app.add_option("input", arguments.input, "file to read, .g2o or .lmg")->required();
   app.add_option("output", arguments.output, "file to write, .g2o or .lmg")->required();
   app.add_option("--robust", arguments.robust,
-                 "graduated: decide which loops to believe; or a kernel on all loops")
+                 "graduated: decides which loops are used; or the name of a kernel for all loops")
       ->transform(CLI::IsMember(robust_names(), CLI::ignore_case))
       ->capture_default_str();
   app.add_option("--kernel-size", arguments.kernel_size, "standard deviations")
       ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--tolerance", arguments.tolerance,
-                 "end with the step that is expected to gain less than this fraction of the cost")
+                 "end when a step is expected to reduce the cost by less than this fraction")
       ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--method", arguments.method,

@@ -83,7 +83,7 @@ TEST(DoubtfulStep, ConnectsTheMapIfNothingElseDoes) {
 }
 
 // The loops that are consistent without the step stay used, and false ones are still refused.
-TEST(DoubtfulStep, DoesNotAdmitFalseLoopsThatOthersContradict) {
+TEST(DoubtfulStep, DoesNotAcceptFalseLoopsThatOthersContradict) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);

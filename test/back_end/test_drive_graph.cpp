@@ -135,7 +135,7 @@ TEST_F(Motion, BetweenFloorsDriftsLessInHeightRollAndPitch) {
   EXPECT_TRUE(test::near(drift_variance(), 0.25 * whole, 1e-12)) << "positions show less already";
 }
 
-TEST_F(Motion, BetweenFloorsDriftsAsEverIfTheseTellLess) {
+TEST_F(Motion, KeepsItsDriftBetweenFloorsThatDifferLess) {
   config_.floor_constraint = FloorConstraint::kNeighbours;
   add_floor(0, 0.006, 0.01);
   add_floor(1, 0.008, 0.01);

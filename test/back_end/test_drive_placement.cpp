@@ -184,7 +184,7 @@ TEST(Georeferencing, AlignsALongTrackToEastNorthUp) {
       << "the prior goes with its node";
 }
 
-TEST(Georeferencing, PositionsWithoutAltitudeDoNotSpoilTheHeight) {
+TEST(Georeferencing, PositionsWithoutAltitudeDoNotChangeTheHeight) {
   Segments segments({kElsewhere});
   segments.add_gnss_to_segment(0);
   for (std::size_t i = 0; i < segments.drive.gnss.size(); ++i) {

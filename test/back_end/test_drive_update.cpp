@@ -63,7 +63,7 @@ TEST(ApplyWholeSolution, NewKeyFramesFollowByOdometry) {
   EXPECT_TRUE(test::near(drive.nodes[4].T_map_base, Pose{left, {2.0, 7.0, 0.0}}, 1e-9));
 }
 
-TEST(ApplyWholeSolution, TakesWhatWasEstimatedForTheSegmentsOfThen) {
+TEST(ApplyWholeSolution, AppliesTheEstimatesToTheSegmentsThatWereSolved) {
   DriveGraph drive = straight(3, 0);
   drive.in_enu = {false, false};
   drive.gnss_delays.resize(2);
@@ -80,7 +80,7 @@ TEST(ApplyWholeSolution, TakesWhatWasEstimatedForTheSegmentsOfThen) {
   EXPECT_EQ(drive.T_map_first.translation.z(), 4.0);
 }
 
-TEST(ApplyWholeSolution, DecidesAboutWhatItHasSeenAlone) {
+TEST(ApplyWholeSolution, DecidesOnlyOnTheConstraintsThatWereSolved) {
   DriveGraph solved = straight(4, 1);
   add_gnss(solved, 2);
   use(solved.loops[0]);

@@ -131,7 +131,7 @@ TEST_F(GraphBuilderTest, LeavesMeasurementsWithoutAKeyFrame) {
 }
 
 // A front end that stands still for long while GNSS goes on: the memory is bounded.
-TEST(PendingMeasurements, ForgetsTheOldestOfMoreThanAThousand) {
+TEST(PendingMeasurements, DiscardsTheOldestOfMoreThanAThousand) {
   PendingMeasurements<int> pending;
   for (int i = 1001; i > 0; --i) pending.add(i, 10 * i);
   EXPECT_FALSE(pending.extract(1).has_value());

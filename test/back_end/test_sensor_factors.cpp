@@ -32,7 +32,7 @@ TEST(GnssWeights, ContainTheLeastStandardDeviations) {
   EXPECT_NEAR(altitude_stddev(position, config), 5.0, 1e-12);
 }
 
-TEST(GnssWeights, TellWhetherAnAltitudeWasMeasured) {
+TEST(GnssWeights, ShowWhetherAnAltitudeWasMeasured) {
   const auto is_known = [](double altitude, double variance) {
     GnssPosition position;
     position.p_enu_antenna.z() = altitude;
@@ -107,18 +107,18 @@ class GnssFactors : public testing::Test {
   BackEndConfig config_;
 };
 
-TEST_F(GnssFactors, HaveTheirWholeWeightFarFromEachOther) {
+TEST_F(GnssFactors, HaveFullWeightsFarFromEachOther) {
   drive({0.0, 12.0, 30.0});
   expect_squares({9.0, 9.0, 9.0}, {16.0, 16.0, 16.0});
 }
 
 // Of five positions on ten metres, each has a fifth of its weight.
-TEST_F(GnssFactors, ShareTheirWeightNearEachOther) {
+TEST_F(GnssFactors, HaveReducedWeightsNearEachOther) {
   drive({0.0, 2.0, 4.0, 6.0});
   expect_squares({1.8, 1.8, 1.8, 1.8}, {3.2, 3.2, 3.2, 3.2});
 }
 
-TEST_F(GnssFactors, ShareTheirWeightByTheMeanWayToBothNeighbours) {
+TEST_F(GnssFactors, HaveWeightsByTheMeanDistanceToBothNeighbours) {
   drive({0.0, 2.0, 8.0});
   expect_squares({9.0 / 5.0, 9.0 / 2.5, 9.0 * 0.6}, {16.0 / 5.0, 16.0 / 2.5, 16.0 * 0.6});
 }

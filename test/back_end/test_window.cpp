@@ -140,7 +140,7 @@ DriveLoop new_loop(int from, int to, const DriveGraph& drive) {
 }
 
 /// As the loops of a session that is resumed have, whose new part is a segment of its own.
-TEST(Window, HoldsALoopBetweenSegmentsThatALoopHasJoined) {
+TEST(Window, ContainsALoopBetweenSegmentsThatALoopHasConnected) {
   DriveGraph drive = segments_aligned_by_a_loop();
   drive.gnss.clear();
   drive.loops.push_back(new_loop(250, 750, drive));
@@ -151,7 +151,7 @@ TEST(Window, HoldsALoopBetweenSegmentsThatALoopHasJoined) {
   EXPECT_EQ(window->nodes.back(), 801);
 }
 
-TEST(Window, DoesNotHoldTheLoopThatJoinsTwoSegments) {
+TEST(Window, DoesNotContainTheLoopThatConnectsTwoSegments) {
   DriveGraph drive = segments_aligned_by_a_loop();
   drive.gnss.clear();
   drive.loops = {new_loop(250, 750, drive)};

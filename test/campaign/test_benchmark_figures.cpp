@@ -61,7 +61,7 @@ TEST(BenchmarkFigures, StepsAreMeansOverAllScans) {
   EXPECT_DOUBLE_EQ(figures["step_ms"]["insertion"], 1.0);
 }
 
-TEST(BenchmarkFigures, ErrorsAreInPercentOfTheWay) {
+TEST(BenchmarkFigures, ErrorsAreInPercentOfThePathLength) {
   std::vector<evaluation::PosePair> pairs;
   for (const ScanRecord& r : records(300)) {
     Pose estimate = r.T_odom_base;

@@ -127,7 +127,7 @@ TEST(CampaignCases, OfAFileNameTheLineThatIsWrong) {
   EXPECT_THROW(read_cases(path + "x"), FileError);
 }
 
-TEST(CampaignCases, HaveTheDriveThatTheySay) {
+TEST(CampaignCases, HaveTheDriveThatTheyName) {
   const auto options = drive_options(
       parse_case("a drive=legged lidar=os0 seed=3 start=2 imu=consumer fault=imu_frame fault=wall"),
       10.0);
@@ -169,7 +169,7 @@ TEST(CampaignRun, RefusesACaseOfLessThanThreeScans) {
   }
 }
 
-TEST(CampaignRun, HandsTheImuOfACaseToTheFrontEnd) {
+TEST(CampaignRun, GivesTheImuOfACaseToTheFrontEnd) {
   const std::string line = "by_hand drive=handheld lidar=vlp16 seed=1";
   const CampaignFigures without = run_case(parse_case(line), 4);
   const CampaignFigures with = run_case(parse_case(line + " imu=consumer"), 4);

@@ -115,7 +115,7 @@ class CityGraph : public ::testing::Test {
   Stamp next_ = 0;
 };
 
-TEST_F(CityGraph, DrivesWithoutGnssAreJoinedByWhatTheySaw) {
+TEST_F(CityGraph, DrivesWithoutGnssAreConnectedByLoops) {
   record("a", square_, 1.001, 2e-4);
   record("b", crossing_, 0.999, -2e-4);
   const auto loops = search({"a", "b"});
@@ -145,7 +145,7 @@ TEST_F(CityGraph, ADriveElsewhereIsLeftOutAndNamed) {
   EXPECT_EQ(city.drives[0].state, DriveState::kJoined);
   EXPECT_EQ(city.drives[1].state, DriveState::kUnconnected);
   ASSERT_EQ(city.drives[1].notices.size(), 1U);
-  EXPECT_NE(city.drives[1].notices[0].find("nothing joins"), std::string::npos);
+  EXPECT_NE(city.drives[1].notices[0].find("neither a loop nor GNSS connects"), std::string::npos);
   write_city(city, {}, path("city"));
   EXPECT_EQ(opened(path("city")).key_frame_count(), square_.size());
 }

@@ -273,7 +273,7 @@ TEST_F(PcdHeaderOf, ADamagedFileNamesTheLine) {
 TEST_F(PcdHeaderOf, LinesHaveAnOrder) {
   EXPECT_NE(problem("FIELDS x y z\nTYPE F F F\nSIZE 4 4 4\n").find("there is no line SIZE"),
             std::string::npos);
-  EXPECT_NE(problem("FIELDS x y z\nSIZE 4 4 4\nSIZE 4 4 4\n").find("stands twice"),
+  EXPECT_NE(problem("FIELDS x y z\nSIZE 4 4 4\nSIZE 4 4 4\n").find("is given twice"),
             std::string::npos);
 }
 

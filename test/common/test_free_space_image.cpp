@@ -61,7 +61,7 @@ TEST(FreeSpaceImage, TestsOnlyWhereItHasReturns) {
 }
 
 // At the edge of the field of view the ground may lie right below the last returns.
-TEST(FreeSpaceImage, SawThroughOnlyWhereEachRowAroundHasReturns) {
+TEST(FreeSpaceImage, IsFreeOnlyWhereEachRowAroundHasReturns) {
   const auto is_certain_violation = [](const std::array<float, 9>& ranges, float range) {
     return image_of(ranges).is_certain_violation(at(range, 0.75, 1.0));
   };

@@ -42,7 +42,7 @@ TEST(PathOfPerson, MakesPathsAbsoluteAndLeavesOthersAlone) {
   EXPECT_TRUE(expanded_path("").empty());
 }
 
-TEST(PathOfPerson, RefusesWhatItCannotKnow) {
+TEST(PathOfPerson, RefusesOtherUsersAndAMissingHome) {
   EXPECT_THROW(expanded_path("~somebody/maps"), InputError);
   const Home home(nullptr);
   EXPECT_THROW(expanded_path("~/maps"), InputError);

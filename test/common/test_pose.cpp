@@ -116,7 +116,7 @@ TEST(Rotations, AreAboutTheFixedAxesInTheOrderRollPitchYaw) {
   const Eigen::Vector3d p(1.0, 2.0, 3.0);
   const Eigen::Vector3d expected =
       exp_so3({0.0, 0.0, 0.9}) * (exp_so3({0.0, 0.4, 0.0}) * (exp_so3({-0.3, 0.0, 0.0}) * p));
-  EXPECT_LT((rotation_from_rpy(-0.3, 0.4, 0.9) * p - expected).norm(), 1e-12);
+  EXPECT_TRUE(test::near(rotation_from_rpy(-0.3, 0.4, 0.9) * p, expected, 1e-12));
   EXPECT_LT(rotation_angle(rotation_about_z(0.9).conjugate() * exp_so3({0.0, 0.0, 0.9})), 1e-12);
 }
 

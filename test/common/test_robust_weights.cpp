@@ -11,7 +11,7 @@ TEST(RobustWeights, AreOneWithoutAResidual) {
   EXPECT_EQ(geman_mcclure_weight(0.0, 0.1), 1.0);
 }
 
-TEST(RobustWeights, DoNotSeeTheSign) {
+TEST(RobustWeights, DoNotDependOnTheSign) {
   EXPECT_EQ(tukey_weight(-0.3, 1.0), tukey_weight(0.3, 1.0));
   EXPECT_EQ(geman_mcclure_weight(-0.3, 1.0), geman_mcclure_weight(0.3, 1.0));
 }

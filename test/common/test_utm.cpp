@@ -9,7 +9,7 @@
 namespace lidar_mapping {
 namespace {
 
-TEST(UtmFrame, GivesEastingsNorthingsAndTheWayBack) {
+TEST(UtmFrame, ConvertsToEastingsAndNorthingsAndBack) {
   const UtmFrame utm({49.0, 9.0, 110.0});  // on the central meridian of zone 32
   EXPECT_EQ(utm.epsg(), 32632);
   EXPECT_NEAR(utm.origin().x(), 500'000.0, 1e-6);
@@ -23,7 +23,7 @@ TEST(UtmFrame, GivesEastingsNorthingsAndTheWayBack) {
 }
 
 /// A step of ten thousand kilometres in mid-map would tear it.
-TEST(UtmFrame, GoesOnOverTheEquator) {
+TEST(UtmFrame, IsContinuousAcrossTheEquator) {
   for (const double latitude : {1e-4, -1e-4}) {
     const UtmFrame utm({latitude, 9.0, 0.0});
     const double step = utm.from_enu({0.0, 50.0, 0.0}).y() - utm.from_enu({0.0, -50.0, 0.0}).y();

@@ -110,7 +110,7 @@ TEST(RelativeErrors, OfADriftingHeading) {
 }
 
 // KITTI's segments are too long for short drives.
-TEST(RelativeErrors, TakeTheSegmentsThatTheDriveHasRoomFor) {
+TEST(RelativeErrors, UseTheSegmentsThatFitIntoTheDrive) {
   const auto lengths_of = [](int metres) {
     return usual_segment_lengths(associate(straight(metres + 1), straight(metres + 1)));
   };

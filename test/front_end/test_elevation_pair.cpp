@@ -67,7 +67,7 @@ TEST(ElevationPair, FindsTheAngle) {
   }
 }
 
-TEST(ElevationPair, TakesNoAngleThatNoSensorHas) { EXPECT_FALSE(estimate(0.05).has_value()); }
+TEST(ElevationPair, RejectsAnAngleThatNoSensorHas) { EXPECT_FALSE(estimate(0.05).has_value()); }
 
 // Level ground alone leaves the pose open, and walls alone the height.
 TEST(ElevationPair, SaysNothingWhereThePoseIsNotDetermined) {

@@ -130,7 +130,7 @@ TEST(FrontEnd, StartsANewSegmentAfterBeingLostTooLong) {
 }
 
 // The sensor sees nothing until the wheels have carried it so far that nothing is left of its map.
-TEST(FrontEnd, GoesOnWhereItIsIfItLeftItsMapWhileBlind) {
+TEST(FrontEnd, ContinuesAtItsPoseIfItLeftItsMapWithoutPoints) {
   const simulation::Drive drive = town();
   FrontEndConfig config;
   config.local_map_radius = 5.0;

@@ -190,7 +190,7 @@ TEST(StatusWarnings, AreOnesForEachThingThatIsWrong) {
   EXPECT_NE(warnings[2].text.find("velocity: it does not agree"), std::string::npos);
 }
 
-TEST(PriorOf, TakesATurnOfZeroByTheVelocityAsNotMeasured) {
+TEST(PriorOf, TreatsAZeroRotationRateOfTheVelocityAsNotMeasured) {
   ImuSample imu;
   imu.angular_velocity = {0.0, 0.0, 0.2};
   VelocitySample velocity;

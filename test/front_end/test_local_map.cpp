@@ -110,7 +110,7 @@ TEST(LocalMap, HasACoarseMapOfFewerPoints) {
   }
 }
 
-TEST(LocalMap, ForgetsWhatIsFarAwayAfterSomeScans) {
+TEST(LocalMap, DiscardsWhatIsFarAwayAfterSomeScans) {
   LocalMap map(kVoxel, kRadius);
   map.insert(sampled(surroundings(500)), at(0.0));
   map.insert(sampled(surroundings(500)), at(100.0));
@@ -124,7 +124,7 @@ TEST(LocalMap, ForgetsWhatIsFarAwayAfterSomeScans) {
 }
 
 // 64 calls are six seconds: a part of the table with each scan.
-TEST(LocalMap, ForgetsAPartOfItWithEachScan) {
+TEST(LocalMap, DiscardsAPartOfItWithEachScan) {
   LocalMap map(kVoxel, kRadius);
   map.insert(sampled(surroundings(5000)), at(0.0));
   const std::size_t before = map.fine().size();

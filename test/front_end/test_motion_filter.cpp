@@ -118,7 +118,7 @@ TEST(MotionFilter, LearnsAccelerationsBackwardsInTimeAsForwards) {
   EXPECT_NEAR(rate_sigma(-0.1), rate_sigma(0.1), 1e-6);
 }
 
-TEST(MotionFilter, ForgetsAfterARestartThatTheRotationWasMeasured) {
+TEST(MotionFilter, TreatsTheRotationAsNotMeasuredAfterARestart) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(Pose{}, 1.0, 1.0);
   const Eigen::Vector3d rate(0.0, 0.0, 0.1);

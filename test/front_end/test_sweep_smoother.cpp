@@ -352,7 +352,7 @@ TEST(SweepSmoother, UsesTheMeasuredRotationForTheTranslation) {
   EXPECT_LT(error_with_measured_turn(5.0), 5.0 * error_with_measured_turn(0.0));
 }
 
-TEST(SweepSmoother, KnowsASteadyMotionBetterThanASwayingOne) {
+TEST(SweepSmoother, HasASmallerCovarianceForASteadyMotionThanForASwayingOne) {
   Drive steady({[](double) { return 0.0; }, [](double t) { return 5.0 * t; }});
   Drive swaying(kSwaying);
   for (int i = 0; i < 60; ++i) {
@@ -385,7 +385,7 @@ TEST(SweepSmoother, AcceptsAMeasuredRateThatJumps) {
   EXPECT_TRUE(drive.smoother.is_smoothed(drive.filter));
 }
 
-TEST(SweepSmoother, ForgetsTheDriveBefore) {
+TEST(SweepSmoother, KeepsNothingOfThePreviousDrive) {
   Drive drive(kSwaying);
   for (int i = 0; i < 15; ++i) drive.add(kSweep);
   EXPECT_GT(drive.smoother.usual_covariance().norm(), 0.0);

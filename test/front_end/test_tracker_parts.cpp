@@ -195,7 +195,7 @@ TEST(LocalMap, KeepsMoreOfFewPointsInItsCoarseVoxels) {
   EXPECT_GT(coarse_voxels(0.1), coarse_voxels(1.0));
 }
 
-TEST(LocalMapper, TellsWhenTheMapCoversMoreThanOnePlace) {
+TEST(LocalMapper, ReportsWhenTheMapCoversMoreThanOnePlace) {
   Insertions insertions(20.0);
   const double radius = 10.0 * insertions.voxel_size();
   EXPECT_TRUE(insertions.insert_at(0.9 * radius));
@@ -283,7 +283,7 @@ TEST(LocalMapper, GivesPointsOfTheFloorBetweenTheRingsOfARoom) {
   for (const float z : points.z) EXPECT_NEAR(z, -1.0, 1e-3);
 }
 
-TEST(LocalMapper, GivesNoPointsBetweenRingsThatCannotBeToldApart) {
+TEST(LocalMapper, GivesNoPointsBetweenRingsThatCannotBeDistinguished) {
   EXPECT_EQ(first_points_between_rings(scan_of_room(9.0, 500)).size(), 0U);
 }
 
@@ -330,7 +330,7 @@ double information_ahead(const MotionPrior& prior) {
                                     {Eigen::Vector3d::UnitX()});
 }
 
-TEST(MotionPredictor, TellsHowWellOtherSensorsKnowTheSpeed) {
+TEST(MotionPredictor, ReportsTheUncertaintyOfTheSpeedByOtherSensors) {
   MotionPrior measured;
   measured.linear_velocity = Eigen::Vector3d(10.0, 0.0, 0.0);
   EXPECT_NEAR(information_ahead({}), 0.0, 1e-6);

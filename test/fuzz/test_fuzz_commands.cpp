@@ -377,7 +377,7 @@ std::vector<Kind> kinds() {
 
 class FuzzCommands : public testing::TestWithParam<Kind> {};
 
-TEST_P(FuzzCommands, AnswerSpoiltFiles) {
+TEST_P(FuzzCommands, ReportDamagedFiles) {
   const FuzzOptions options = fuzz_options();
   std::printf("seed %u\n", options.seed);
   Campaign(GetParam(), options.seed).run(options.seconds);

@@ -96,7 +96,7 @@ class Campaign {
 
 class FuzzReaders : public testing::TestWithParam<ReaderKind> {};
 
-TEST_P(FuzzReaders, OutliveSpoiltFiles) {
+TEST_P(FuzzReaders, DoNotCrashOnDamagedFiles) {
   const FuzzOptions options = fuzz_options();
   std::printf("seed %u\n", options.seed);
   Campaign(GetParam(), options.seed).run(options.seconds);

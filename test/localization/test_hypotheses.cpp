@@ -40,7 +40,7 @@ TEST(Hypotheses, CountASearchOnceForEachPlace) {
   EXPECT_GT(hypotheses.best()->log_odds(), of_one_search);
 }
 
-TEST(Hypotheses, ShareTheProbability) {
+TEST(Hypotheses, HaveProbabilitiesWithASumOfOne) {
   Hypotheses hypotheses;
   EXPECT_EQ(hypotheses.probability(), 0.0);
   EXPECT_EQ(hypotheses.best(), nullptr);
@@ -71,7 +71,7 @@ TEST(Hypotheses, NearAClaimAreKept) {
   EXPECT_NEAR(hypotheses.best()->estimate().T_map_base.translation.x(), 100.0, 1e-9);
 }
 
-TEST(Hypothesis, FallsBehindAPlaceThatExplainsMoreOfTheWay) {
+TEST(Hypothesis, LosesProbabilityToAPlaceThatExplainsMoreOfThePath) {
   Hypothesis left_the_map(at(0.0));
   int metres = 0;
   for (; left_the_map.is_possible() && metres < 100; ++metres) left_the_map.compare(0.7, 1.0);
@@ -83,7 +83,7 @@ TEST(Hypothesis, FallsBehindAPlaceThatExplainsMoreOfTheWay) {
   EXPECT_TRUE(left_the_map.is_possible());
 }
 
-TEST(Hypothesis, IsNotToldApartBySmallDifferencesNorByOneScanAtRest) {
+TEST(Hypothesis, IsNotDistinguishedBySmallDifferencesNorByOneScanAtRest) {
   Hypothesis alike(at(0.0));
   for (int i = 0; i < 1000; ++i) alike.compare(0.14, 1.0);
   EXPECT_EQ(alike.deficit(), 0.0);
@@ -99,7 +99,7 @@ double deficit_after(double best, double way) {
 }
 
 // The place itself agrees by nothing, so 0.5 are missing beyond the 0.15 that tell nothing.
-TEST(Hypothesis, FallsBehindByTheDifferenceAndTheWay) {
+TEST(Hypothesis, HasADeficitByTheDifferenceAndThePath) {
   EXPECT_NEAR(deficit_after(0.65, 1.0), 0.4 * 0.5, 1e-12);
   EXPECT_NEAR(deficit_after(0.65, 0.5), 0.2 * 0.5, 1e-12);
   EXPECT_NEAR(deficit_after(0.65, 0.0), 0.04 * 0.5, 1e-12)
@@ -118,7 +118,7 @@ TEST(Hypothesis, IsGivenUpAfterTenRefusals) {
   EXPECT_TRUE(place.is_refuted());
 }
 
-TEST(Hypothesis, CanChangeItsMindHoweverOftenItHeardTheSame) {
+TEST(Hypothesis, HasBoundedLogOdds) {
   Hypothesis right(at(0.0)), wrong(at(0.0));
   for (int i = 0; i < 100; ++i) right.verify(at(0.0));
   for (int i = 0; i < 100; ++i) wrong.refuse();
@@ -145,7 +145,7 @@ MapMatch match_with(double coverage, double agreement, bool converged = true,
   return match;
 }
 
-TEST(Evidence, IsWhatTheMapSays) {
+TEST(Evidence, FollowsFromTheMatch) {
   EXPECT_EQ(evidence_of(match_with(0.8, 0.6)), Evidence::kAgrees);
   EXPECT_EQ(evidence_of(match_with(0.8, 0.1)), Evidence::kContradicts);
   EXPECT_EQ(evidence_of(match_with(0.1, 0.9)), Evidence::kUnknown);

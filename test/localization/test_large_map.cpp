@@ -177,7 +177,7 @@ TEST(LargeMap, HasTheSurfacesThatItHasInMemory) {
   }
 }
 
-TEST(LargeMap, IsFollowedAsInMemoryAndTakesNoMore) {
+TEST(LargeMap, GivesTheSamePosesAsInMemoryWithoutMoreMemory) {
   TwoMaps& maps = long_street();
   TwoVehicles vehicles(maps);
   const std::size_t bytes = maps.partial().bytes();

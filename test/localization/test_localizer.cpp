@@ -58,7 +58,7 @@ std::size_t count(const std::vector<LocalizationResult>& results, LocalizationSt
                     [&](const LocalizationResult& result) { return result.state == state; }));
 }
 
-TEST(Localizer, FindsItselfOnItsWayWithoutAnInitialPose) {
+TEST(Localizer, FindsItsPlaceWhileDrivingWithoutAnInitialPose) {
   Vehicle vehicle(town(), town_map());
   const auto path = line({-50.0, -1.0}, {0.0, -1.0});
   const auto results = vehicle.drive(path);
@@ -93,7 +93,7 @@ TEST(Localizer, FindsItselfInTheOppositeDirectionOnTheOtherLane) {
 }
 
 // Of a wall its scans see what is too high for the LiDAR that made the map.
-TEST(Localizer, FindsItselfInTheMapOfALidarThatSeesDownwards) {
+TEST(Localizer, FindsItsPlaceInTheMapOfALidarThatLooksDownwards) {
   const ToyWorld seen = seen_downwards(town());
   ToyMap map(seen, along({{-90.0, 0.0}, {48.0, 0.0}}));
   Vehicle vehicle(town(), map.index());
@@ -185,7 +185,7 @@ class Twins : public testing::Test {
   }
 };
 
-TEST_F(Twins, StayUndecidedUntilTheWayDecides) {
+TEST_F(Twins, StayUndecidedUntilThePathDistinguishesThem) {
   Vehicle vehicle(world(), map());
   const auto path = way();
   const auto results = vehicle.drive(path);
@@ -198,7 +198,7 @@ TEST_F(Twins, StayUndecidedUntilTheWayDecides) {
   expect_right(results, path);
 }
 
-TEST_F(Twins, AreToldApartByAnInitialPose) {
+TEST_F(Twins, AreDistinguishedByAnInitialPose) {
   for (const double east : {0.0, 400.0}) {
     Vehicle vehicle(world(), map());
     vehicle.localizer().set_initial_pose(planar(east + 2.0, -93.0, 1.5));
@@ -210,7 +210,7 @@ TEST_F(Twins, AreToldApartByAnInitialPose) {
 }
 
 // rviz gives the height 0, wherever the ground is.
-TEST_F(Twins, AreToldApartByAnInitialPoseOfAnotherHeight) {
+TEST_F(Twins, AreDistinguishedByAnInitialPoseOfAnotherHeight) {
   Vehicle vehicle(world(), map());
   Pose claimed = planar(402.0, -93.0, 1.5);
   claimed.translation.z() = 30.0;
@@ -253,7 +253,7 @@ TEST(Localizer, IsNotMisledByAWrongInitialPose) {
   expect_right(results, path);
 }
 
-TEST(Localizer, CrossesByOdometryWhatTheMapDoesNotKnow) {
+TEST(Localizer, CrossesByOdometryWhatTheMapDoesNotContain) {
   Vehicle vehicle(town(), town_map());
   auto path = line({-40.0, 0.0}, {0.0, 0.0});
   for (const Pose& pose : line({0.0, 0.0}, {0.0, -130.0})) path.push_back(pose);
@@ -343,7 +343,7 @@ TEST(Localizer, GivesUpAPlaceThatOdometryHasLeftUnknown) {
   const auto results = vehicle.drive(at_speed({-60.0, 0.0}, {60.0, 0.0}));
   EXPECT_EQ(results.front().state, LocalizationState::kBesideMap);
   EXPECT_EQ(results.back().state, LocalizationState::kLost);
-  EXPECT_NE(results.back().reason.find("known to 5 m only"), std::string::npos);
+  EXPECT_NE(results.back().reason.find("is above 5 m"), std::string::npos);
 }
 
 TEST(Localizer, SearchesAgainAfterAnInterruptionOfOdometry) {

@@ -101,13 +101,13 @@ TEST_F(Matching, DependsOnThePredictionWherePointsSayNothing) {
   EXPECT_TRUE(near(sure.estimate.T_map_base.translation, Eigen::Vector3d(10.3, 1.0, 0.0), 0.05));
 }
 
-TEST_F(Matching, ContradictsAtAWrongPlaceAndDoesNotKnowOthers) {
+TEST_F(Matching, ContradictsAtAWrongPlaceAndIsUnknownOutsideTheMap) {
   const Pose here = planar(10.0, 1.0, 0.0);
   EXPECT_EQ(evidence_of(match(here, planar(-25.0, 0.0, 0.0), 0.2)), Evidence::kContradicts);
   EXPECT_EQ(evidence_of(match(here, planar(10.0, 1.0, 0.0, 50.0), 0.2)), Evidence::kUnknown);
 }
 
-TEST_F(Matching, ChangesTheOddsOfAPlaceByWhatTheScanSays) {
+TEST_F(Matching, ChangesTheOddsOfAPlaceByTheEvidenceOfTheScan) {
   const Pose turned = planar(10.0, 1.0, 0.1), beside = planar(10.15, 0.9, 0.11);
   EXPECT_NEAR(change_of_odds(turned, beside, 1.0), 1.5, 1e-12);
   EXPECT_NEAR(change_of_odds(turned, beside, 8.0), 1.5, 1e-12) << "no more than a metre";

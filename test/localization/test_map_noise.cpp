@@ -48,7 +48,7 @@ TEST(MapNoise, IsAssumedBeforeAnythingWasDriven) {
   EXPECT_NEAR(noise.stddev_angle(), 9e-4, 1e-12);
 }
 
-TEST(MapNoise, IsThatOfTheMapAfterSomeWay) {
+TEST(MapNoise, IsThatOfTheMapAfterSomeDistance) {
   for (const double stddev : {0.005, 0.03, 0.1}) {
     MapNoise noise;
     NoisyMap(stddev, 0.1 * stddev).drive(noise, 200);
@@ -75,7 +75,7 @@ TEST(MapNoise, FollowsAMapThatGetsWorse) {
 }
 
 // The drift of odometry beside the map is not the map's.
-TEST(MapNoise, IsNotLearntFromAWayBesideTheMap) {
+TEST(MapNoise, IsNotLearntFromAPathOutsideTheMap) {
   MapNoise noise;
   NoisyMap map(0.003, 3e-4);
   map.drive(noise, 100);

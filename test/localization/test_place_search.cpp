@@ -70,7 +70,7 @@ TEST_F(Search, LooksAroundAClaimedPose) {
   EXPECT_TRUE(is_same_place(near_it.back(), truth));
 }
 
-TEST(RecentScans, JoinsScansThatAreSomeWayApart) {
+TEST(RecentScans, MergesScansThatAreSomeDistanceApart) {
   const ToyWorld world = make_town(100.0, 48.0, 3);
   RecentScans recent(0.4, 0.4);
   recent.add(world.scan(planar(0.0, 0.0, 0.0), 1), planar(0.0, 0.0, 0.0), ToyWorld::sensor());
@@ -84,7 +84,7 @@ TEST(RecentScans, JoinsScansThatAreSomeWayApart) {
 }
 
 // Odometry does not lead from a scan before an interruption to those after it.
-TEST(RecentScans, ForgetTheNewestScanToo) {
+TEST(RecentScans, DiscardTheNewestScanToo) {
   const ToyWorld world = make_town(100.0, 48.0, 3);
   RecentScans recent(0.4, 0.4), fresh(0.4, 0.4);
   recent.add(world.scan(planar(0.0, 0.0, 0.0), 1), planar(0.0, 0.0, 0.0), ToyWorld::sensor());

@@ -43,7 +43,7 @@ Outcome localise(MapIndex& map, RecordedClouds& clouds, const std::vector<Pose>&
   return outcome;
 }
 
-TEST(RecordedMap, IsRecognisedWhereTheDriveComesAgainAndNowhereElse) {
+TEST(RecordedMap, IsRecognisedOnlyWhereTheDriveReturns) {
   REQUIRE_RECORDED(folder, "kitti00_keyframes");
   const auto truth = lidar_mapping::test::recorded_poses(folder);
   RecordedClouds clouds(folder);

@@ -24,7 +24,7 @@ TEST(ScanPointSampler, TakesOnePointOfEachCube) {
   EXPECT_EQ(points.all.size(), 2U);
 }
 
-TEST(ScanPointSampler, TellsNearPointsAndStructureApart) {
+TEST(ScanPointSampler, SeparatesNearPointsFromStructure) {
   ScanPointSampler sampler;
   const ScanPoints points = sampler.sample(cloud_of({{5.0F, 0.0F, 0.0F},
                                                      {6.0F, 0.0F, 2.0F},

@@ -88,7 +88,7 @@ double height_stddev(int square) {
 }
 
 // Errors of single points average out, errors of whole surfaces do not.
-TEST(Covariance, IsLargerIfWholeSurfacesAreOff) {
+TEST(Covariance, IsLargerIfWholeSurfacesAreDisplaced) {
   EXPECT_GT(height_stddev(4), 2.0 * height_stddev(1));
 }
 

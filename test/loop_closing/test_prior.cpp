@@ -50,7 +50,7 @@ TEST(Prior, IsTheRelativePoseWithTheDriftOfItsDistance) {
   EXPECT_FALSE(prior.gnss);
 }
 
-TEST(Prior, KnowsNothingOfSegmentsThatNothingConnects) {
+TEST(Prior, IsUnknownForUnconnectedSegments) {
   const Prior prior = Road(3, kInfinite).prior(0, 2);
   EXPECT_FALSE(prior.anchored);
   EXPECT_EQ(prior.sigma_horizontal, kInfinite);

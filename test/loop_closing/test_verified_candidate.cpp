@@ -158,7 +158,7 @@ TEST(LeaveRivalsUndecided, UnlessBothShowTheSamePlace) {
   EXPECT_EQ(verdicts_of(entries), (std::vector<Verdict>{kYes, kYes}));
 }
 
-TEST(LeaveRivalsUndecided, UnlessTheEstimateKnowsThePlace) {
+TEST(LeaveRivalsUndecided, UnlessTheEstimateIsAnchored) {
   std::vector<VerifiedCandidate> entries = {verified_at(0, 0.9, 0.0), verified_at(2, 0.9, 0.0)};
   entries[0].candidate.prior.anchored = true;
   entries[1].candidate.prior.anchored = true;

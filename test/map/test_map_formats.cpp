@@ -92,7 +92,7 @@ TEST_F(MapFormats, SingleFilesHaveNameAndFormat) {
 }
 
 // Two merged drives may begin at the same instant, as simulated ones do.
-TEST_F(MapFormats, TellDrivesOfEqualStampsApart) {
+TEST_F(MapFormats, DistinguishDrivesOfEqualStamps) {
   KeyFramePoses poses = source_.poses;
   poses.poses.push_back({1, 0, Pose{Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0}}});
   ProductOptions options;

@@ -224,7 +224,7 @@ TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
 
 // Ground up to the border of a square of 400 m, and none in the next one, which lies inside of the
 // grid because of the square behind it. A ray passes on over the border.
-TEST(SaveGrid, KnowsTheGroundBeyondTheBorderOfABlock) {
+TEST(SaveGrid, UsesTheGroundBeyondTheBorderOfABlock) {
   const TemporaryFolder folder;
   PointCloud map;
   map.points.push_back({0.05F, 0.1F, 0.0F, 0.0F});

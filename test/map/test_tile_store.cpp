@@ -97,7 +97,7 @@ TEST(TileStore, DependsNeitherOnBatchesNorOnThreads) {
   }
 }
 
-TEST(TileStore, TellsWhichTilesEachCloudTouches) {
+TEST(TileStore, ListsTheTilesThatEachCloudTouches) {
   const std::vector<CloudWithPose> clouds = street();
   TileStore store(kResolution, kTileSize, 2);
   const auto touched = store.add(clouds, nullptr);
@@ -129,7 +129,7 @@ TEST(TileStore, IsTheSameInPortionsOfTiles) {
   expect_same_bits(portions.merged_cloud(), whole.merged_cloud());
 }
 
-TEST(TileStore, TakesNothingWithoutATileToTake) {
+TEST(TileStore, DoesNothingWithoutATileToTake) {
   TileStore store(kResolution, kTileSize, 1);
   const std::set<TileIndex> none, elsewhere = {{900, 900}};
   EXPECT_TRUE(all_tiles(store.add(street(), &none)).empty());
@@ -179,7 +179,7 @@ TEST(TileStore, GivesTilesAwayAndTakesThemBack) {
   expect_same_bits(store.merged_cloud(), before);
 }
 
-TEST(TileStore, ForgetsTilesAndBuildsThemAgain) {
+TEST(TileStore, DiscardsTilesAndBuildsThemAgain) {
   TileStore store(kResolution, kTileSize, 1);
   const std::vector<CloudWithPose> clouds = street();
   const std::set<TileIndex> tiles = all_tiles(store.add(clouds, nullptr));

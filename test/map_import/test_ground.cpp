@@ -46,7 +46,7 @@ TEST(GroundHeights, NeedHeadroom) {
   EXPECT_EQ(ground_heights(under_a_truck).size(), 1U) << "the upper one";
 }
 
-TEST(GroundHeights, BearWhatMovedAndOutliers) {
+TEST(GroundHeights, AreRobustAgainstMovingObjectsAndOutliers) {
   EXPECT_EQ(ground_heights({0.0F, 0.01F, 0.02F, 0.8F, 1.4F}), std::vector<float>{0.02F});
   EXPECT_EQ(ground_heights({-5.0F, 0.0F, 0.01F, 0.02F}), std::vector<float>{0.02F});
 }

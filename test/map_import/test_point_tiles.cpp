@@ -56,7 +56,7 @@ TEST(PointTiles, ThinPointsToTheirMean) {
   EXPECT_NEAR(mean.intensity, 1.5, 1e-6);
 }
 
-TEST(PointTiles, HoldTheMillimetreFarFromTheOrigin) {
+TEST(PointTiles, KeepMillimetresFarFromTheOrigin) {
   const TemporaryFolder folder;
   PointTiles tiles(folder.path(), 0.2);
   const Eigen::Vector3d utm(456789.123, 5428765.432, 4321.987);

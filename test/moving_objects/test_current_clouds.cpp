@@ -121,7 +121,7 @@ TEST(CurrentClouds, ListEachChangeWithItsVisitsAndItsPlace) {
   }
 }
 
-TEST(CurrentClouds, TellNothingOfOneVisitOrOfEqualOnes) {
+TEST(CurrentClouds, ListNoChangesForOneVisitOrEqualOnes) {
   ChangingStreet once({{kCar}});
   CurrentClouds alone = current_of(once);
   EXPECT_TRUE(alone.changes().empty());

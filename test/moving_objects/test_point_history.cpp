@@ -21,7 +21,7 @@ PointHistory history(const std::string& observed) {
   return result;
 }
 
-TEST(PointHistory, SaysWhenAPointWentAway) {
+TEST(PointHistory, GivesTheVisitsBetweenWhichAPointDisappeared) {
   EXPECT_FALSE(history("---1---").disappeared(0));
   EXPECT_FALSE(history("---1111").disappeared(0));
   EXPECT_FALSE(history("0001---").disappeared(0)) << "what was before does not matter";
@@ -34,7 +34,7 @@ TEST(PointHistory, SaysWhenAPointWentAway) {
   EXPECT_FALSE(history("---1001").disappeared(0)) << "it came back";
 }
 
-TEST(PointHistory, SaysWhenAPointCame) {
+TEST(PointHistory, GivesTheVisitsBetweenWhichAPointAppeared) {
   EXPECT_FALSE(history("---1000").appeared(0)) << "what was after does not matter";
   EXPECT_FALSE(history("1111").appeared(0));
   const auto came = history("00-1").appeared(0);
@@ -46,7 +46,7 @@ TEST(PointHistory, SaysWhenAPointCame) {
   EXPECT_EQ(history("0111").appeared(0)->present, 1U) << "the first visit with it";
 }
 
-TEST(PointHistory, BelievesTheDecisionOfTheNeighbourhood) {
+TEST(PointHistory, UsesTheDecisionOfTheNeighbourhood) {
   PointHistory decided(kOwn, 2);
   decided.add(4, {Vote::kStatic, Vote::kMoving}, {0});
   EXPECT_TRUE(decided.disappeared(0));

@@ -114,7 +114,7 @@ TEST(RangeImage, IsNotSeenThroughAboveAnObject) {
 }
 
 // Behind the sensor the columns begin and end.
-TEST(RangeImage, GoesAllTheWayRound) {
+TEST(RangeImage, WrapsAroundInAzimuth) {
   for (const double side : {-1.0, 1.0}) {
     PointCloud cloud = wall_at(180.0, 20.0);
     add_patch(cloud, 180.0 + 0.2 * side, 0.2, 8.0);

@@ -14,6 +14,11 @@
 
 namespace lidar_mapping::test {
 
+/// s, between messages of send_until(); chosen: as often as most LiDARs send scans.
+constexpr double kSendInterval = 0.1;
+/// Hz, of wait_within_callback(); chosen: the delay is not noticed, and the load is small.
+constexpr double kPollRate = 100.0;
+
 /// Lets messages come in until the condition holds, or `seconds` have passed; says whether it
 /// holds.
 inline bool wait_until(const std::function<bool()>& condition, double seconds = kPatience) {
@@ -24,6 +29,33 @@ inline bool wait_until(const std::function<bool()>& condition, double seconds = 
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   }
   return false;
+}
+
+/// Calls `send` every tenth of a second until the condition holds, or `seconds` have passed.
+/// Messages come in meanwhile. Says whether the condition holds.
+inline bool send_until(const std::function<void()>& send, const std::function<bool()>& condition,
+                       double seconds = kPatience) {
+  ros::WallTime next = ros::WallTime::now();
+  const auto holds = [&] {
+    if (condition()) return true;
+    if (ros::WallTime::now() < next) return false;
+    send();
+    next = ros::WallTime::now() + ros::WallDuration(kSendInterval);
+    return false;
+  };
+  return wait_until(holds, seconds);
+}
+
+/// As wait_until(), for use within a callback: other callbacks wait until this one is over.
+inline bool wait_within_callback(const std::function<bool()>& condition,
+                                 double seconds = kPatience) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  ros::WallRate rate(kPollRate);
+  while (!condition()) {
+    if (ros::WallTime::now() >= end) return false;
+    rate.sleep();
+  }
+  return true;
 }
 
 /// Keeps all messages of a topic.

@@ -223,7 +223,7 @@ TEST_F(BackEndNode, GivesUpAKeyFrameThatNeverComes) {
   publish(0, 10);
   publish(11, 13);
   EXPECT_TRUE(wait_until([&] { return optimize().key_frames == 12; })) << node->output();
-  EXPECT_TRUE(node->says("key frames that never came: 1")) << node->output();
+  EXPECT_TRUE(node->says("key frames that did not arrive: 1")) << node->output();
 }
 
 TEST_F(BackEndNode, SaysThatItDropsLoopsWhoseKeyFramesDoNotCome) {
@@ -258,7 +258,7 @@ TEST_F(BackEndNode, SaysThatItGivesUpAKeyFrameInMidDrive) {
   publish(0, 10);
   publish(11, 18);
   EXPECT_TRUE(wait_for_key_frames(17)) << node->output();
-  EXPECT_TRUE(wait_until([&] { return node->says("key frames that never came: 1"); }))
+  EXPECT_TRUE(wait_until([&] { return node->says("key frames that did not arrive: 1"); }))
       << node->output();
 }
 

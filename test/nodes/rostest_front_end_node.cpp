@@ -154,8 +154,7 @@ TEST_F(FrontEndNode, SaysOnceThatABagIsPlayedAgain) {
   drive(12, 13);
   ASSERT_TRUE(odometry_.wait_for(13));
   EXPECT_EQ(from_ros(odometry_.messages.back().header.stamp), stamp_of(12));
-  EXPECT_TRUE(node_->says("time went back: one start of the nodes maps one drive"))
-      << node_->output();
+  EXPECT_TRUE(node_->says("time went back: the nodes map one drive per start")) << node_->output();
   EXPECT_EQ(node_->count("time went back"), 1U) << node_->output();
   EXPECT_FALSE(node_->says("message left out")) << node_->output();
 }
@@ -193,11 +192,8 @@ TEST_F(FrontEndNode, NamesBothFramesOfAMissingTransformOnceAndLivesOn) {
   const bool is_said = node_->says(warning);
   // On a busy machine the second may be over here.
   EXPECT_TRUE(seconds() >= 1.0 || !is_said) << node_->output();
-  ASSERT_TRUE(wait_until([&] {
-    ros::WallDuration(0.1).sleep();
-    send_scan_of_no_known_frame();
-    return node_->says(warning);
-  })) << node_->output();
+  ASSERT_TRUE(send_until(send_scan_of_no_known_frame, [&] { return node_->says(warning); }))
+      << node_->output();
   drive(step, step + 2);
   ASSERT_TRUE(odometry_.wait_for(1));
   EXPECT_EQ(from_ros(odometry_.messages.front().header.stamp), stamp_of(step));
@@ -242,11 +238,11 @@ TEST_F(FrontEndNode, BeginsAtTheInitialPoseAndSaysWhenItComesTooLate) {
   EXPECT_NEAR(odometry_.messages.back().pose.pose.position.x, 20.0, 0.2);
   EXPECT_NEAR(odometry_.messages.back().pose.pose.position.y, 33.5, 0.3);
   EXPECT_NEAR(odometry_.messages.back().pose.pose.position.z, 1.0, 0.1);
-  EXPECT_TRUE(wait_until([&] {  // warnings of one topic come at most once in 5 s
-    publish("map");
-    ros::WallDuration(0.1).sleep();
-    return node_->says("the initial pose comes after the first scan");
-  })) << node_->output();
+  // Warnings of one topic come at most once in 5 s.
+  EXPECT_TRUE(
+      send_until([&] { publish("map"); },
+                 [&] { return node_->says("the initial pose comes after the first scan"); }))
+      << node_->output();
 }
 
 /// A back end that starts in mid-drive must not lack what was sent before it was connected.

@@ -290,7 +290,7 @@ TEST_F(RecordedDrive, ExtendsTheMapByWhatLiesBeyondIt) {
   drive();
   const SaveSession::Response answer = save("extended");
   ASSERT_TRUE(answer.success) << answer.message << "\n" << nodes_["localization_node"]->output();
-  EXPECT_NE(answer.message.find("new to the map: "), std::string::npos) << answer.message;
+  EXPECT_NE(answer.message.find("added to the map: "), std::string::npos) << answer.message;
   EXPECT_GT(answer.key_frames, 20U) << answer.message;
   const Session extended = opened(folder("extended")), old = opened(map());
   EXPECT_EQ(extended.key_frame_count(), old.key_frame_count() + answer.key_frames);

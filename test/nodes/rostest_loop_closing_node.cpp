@@ -62,14 +62,9 @@ class LoopClosingNode : public testing::Test {
     return true;
   }
 
-  /// Called in the middle of callbacks: links come up without any.
+  /// Called within a callback: links come up without any.
   bool wait_for_links() const {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-    while (!loops_.connected() || !verdicts_.connected()) {
-      if (ros::WallTime::now() > end) return false;
-      ros::WallDuration(0.01).sleep();
-    }
-    return true;
+    return wait_within_callback([&] { return loops_.connected() && verdicts_.connected(); });
   }
 
   /// Small yards and short ways: what real drives need would find nothing here.

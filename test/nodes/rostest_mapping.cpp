@@ -280,13 +280,14 @@ TEST_F(Mapping, GoesOnInANewSegmentAfterTheFrontEndWasKilled) {
 // A missing transform muted the pipeline, or killed it.
 TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
   connect({"points", "imu", "velocity", "gnss"});
-  for (int i = 0; i < 20; ++i) {
+  int sent = 0;
+  const auto send = [&] {
     player_.send_next_scan();
-    ros::WallDuration(0.1).sleep();
-  }
-  EXPECT_TRUE(wait_until([&] {
-    return nodes_.at("preprocessing_node")
-        ->says("no transform from frame 'velo_link' to 'base_link'");
+    ++sent;
+  };
+  EXPECT_TRUE(send_until(send, [&] {
+    return sent >= 20 && nodes_.at("preprocessing_node")
+                             ->says("no transform from frame 'velo_link' to 'base_link'");
   })) << output_of("preprocessing_node");
   EXPECT_TRUE(odometry_.messages.empty());
   OptimizeMap call;

@@ -160,7 +160,7 @@ std::string parameters_of(std::vector<std::string> arguments, const std::string&
 }
 
 /// An argument that nobody gave overwrote what stood in the files.
-TEST(Launch, ItsDefaultsGiveWayToTheFilesOfTheUser) {
+TEST(Launch, ItsDefaultsAreOverriddenByTheFilesOfTheUser) {
   const TemporaryFolder home;
   for (const char* stage :
        {"preprocessing", "floor_detection", "front_end", "loop_closing", "back_end"}) {

@@ -143,7 +143,7 @@ TEST_F(PreprocessingNode, SaysInItsDiagnosticsWhyItPublishesNoScan) {
 }
 
 /// The most frequent fault of all: a topic of another name.
-TEST_F(PreprocessingNode, NamesTheTopicsThatCouldBeMeantWhereNothingComes) {
+TEST_F(PreprocessingNode, NamesPossibleTopicsIfNoMessageArrives) {
   clouds_.shutdown();
   const auto other = ros::NodeHandle().advertise<sensor_msgs::PointCloud2>("velodyne_points", 1);
   EXPECT_TRUE(wait_until([&] {

@@ -145,7 +145,7 @@ TEST(LiveMessages, ACorrectionOfALongDriveGoesOutInPartsThatAreBounded) {
   EXPECT_TRUE(feed.changes(now).markers.empty());
 }
 
-TEST(LiveMessages, StepsThatNobodySeesAreNotSent) {
+TEST(LiveMessages, StepsThatAreNotVisibleAreNotSent) {
   map::KeyFrameTrack track = track_of(500);
   MarkerFeed feed;
   feed.whole(markers_of(track, 500));
@@ -168,7 +168,7 @@ TEST(LiveMessages, WhatIsGoneIsDeleted) {
   EXPECT_EQ(screen.shown.count({"candidates", 2}), 0U);
 }
 
-TEST(LiveMessages, WhoComesLateSeesTheWholeAndNoMore) {
+TEST(LiveMessages, ALateSubscriberReceivesExactlyTheCurrentMarkers) {
   const map::KeyFrameTrack track = track_of(250);
   const MarkerFeed::Markers now = markers_of(track, 250);
   MarkerFeed feed;
@@ -290,7 +290,7 @@ TEST(FloorMarkers, LieWhereTheFloorIsBelowItsKeyFrame) {
   EXPECT_NEAR(markers[0].points[2].z, -1.8, 1e-9) << "a corner of a level floor";
 }
 
-TEST(FloorMarkers, LeanAsTheFloorDoes) {
+TEST(FloorMarkers, HaveTheTiltOfTheFloor) {
   const map::KeyFrameTrack track = track_of(1);
   Floor floor = floor_of(0, 1.8);
   floor.normal = Eigen::Vector3d(-0.1, 0.0, 1.0).normalized();  // rising ahead

@@ -170,7 +170,7 @@ class DriveRecorderTest : public testing::Test {
   DriveRecorder recorder_ = make_recorder();
 };
 
-TEST_F(DriveRecorderTest, GivesAllThatItIsTold) {
+TEST_F(DriveRecorderTest, GivesAllThatWasAdded) {
   add(1, kSearching);
   add(2, kFollowing);
   recorder_.add_odometry(2, Pose::Identity());

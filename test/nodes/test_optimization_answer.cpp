@@ -30,14 +30,14 @@ bool says(const OptimizeMap::Response& answer, const std::string& text) {
   return answer.message.find(text) != std::string::npos;
 }
 
-TEST(OptimizationAnswer, SaysWhatAPersonWantsToKnow) {
+TEST(OptimizationAnswer, StatesMovementConstraintsAndTheNextCall) {
   const OptimizeMap::Response answer = to_answer(example());
   for (const char* text :
        {"408 key frames optimised in 0.62 s",
-        "moved by 0.004 m on average, most by 0.021 m (key frame 231, 84.3 s into the drive)",
-        "0.350 m away on average, most 1.20 m (key frame 300, 120.3 s into the drive)",
+        "moved by 0.004 m on average and by at most 0.021 m (key frame 231, 84.3 s into the drive)",
+        "0.350 m on average and by at most 1.20 m (key frame 300, 120.3 s into the drive)",
         "Loops: 80 used, 2 refused", "GNSS fixes: 120 used, 0 refused",
-        "Session: /home/somebody/sessions/2026-01-02", "Next: rosservice call /save_map"}) {
+        "Session: /home/somebody/sessions/2026-01-02", "call: rosservice call /save_map '{}'."}) {
     EXPECT_TRUE(says(answer, text)) << text << " is not in: " << answer.message;
   }
   EXPECT_FALSE(says(answer, "iterations"));
@@ -48,22 +48,22 @@ TEST(OptimizationAnswer, SaysWhatAPersonWantsToKnow) {
   EXPECT_DOUBLE_EQ(answer.cost_after, 31.7);
 }
 
-TEST(OptimizationAnswer, SaysThatNothingMovedAndThatThereWasNothingToGoBy) {
+TEST(OptimizationAnswer, StatesThatNothingMovedAndThatThereWereNoConstraints) {
   MapOptimization done = example();
   done.moved.largest = done.moved.mean = 0.0002;
   done.corrected.largest = 0.0;
   done.report.loops_used = done.report.loops_refused = done.report.gnss_used = 0;
-  done.report.remarks = {"the constraints hardly hold the map"};
+  done.report.remarks = {"the constraints hardly determine the map"};
   const OptimizeMap::Response answer = to_answer(done);
-  for (const char* text : {"No pose moved", "that of odometry alone", "No loops", "No GNSS fixes",
-                           "Mind: the constraints hardly hold the map."}) {
+  for (const char* text : {"No pose moved", "the same as by odometry alone", "No loops",
+                           "No GNSS fixes", "Note: the constraints hardly determine the map."}) {
     EXPECT_TRUE(says(answer, text)) << text << " is not in: " << answer.message;
   }
 }
 
 TEST(OptimizationAnswer, SaysWhyItFailed) {
   MapOptimization done;
-  done.report.message = "the solver failed, poses are as before";
+  done.report.message = "the solver failed and no pose has changed";
   EXPECT_EQ(to_answer(done).message, done.report.message);
   EXPECT_FALSE(to_answer(done).success);
 }

@@ -76,7 +76,7 @@ TEST(ScanPairing, GivesUpScansThatOdometryHasPassed) {
 }
 
 /// A later step from before would let every scan be given up that comes before its step.
-TEST(ScanPairing, ForgetsTheStepsFromBeforeTimeWentBack) {
+TEST(ScanPairing, DiscardsTheStepsFromBeforeTimeWentBack) {
   ScanPairing pairing;
   pairing.add(step_at(100, 9.0));
   OdometryStep restarted = step_at(1, 0.0);

@@ -219,7 +219,7 @@ TEST(DriveDoubt, KnowsDrivesThatWereMergedInReverse) {
 }
 
 // The way back in the odometry from the end of a drive to the beginning of the next is none.
-TEST(DriveDoubt, DoesNotCountTheWayBetweenTwoDrives) {
+TEST(DriveDoubt, DoesNotCountThePathBetweenTwoDrives) {
   StraightDrive later;
   later.state = [](KeyFrameIndex scan) { return std::string(scan < 10 ? "degraded" : "tracking"); };
   later.delay = from_seconds(1000.0);

@@ -72,7 +72,7 @@ constexpr double kTolerance = 0.005;  // m
 
 /// As GeoPoint's NaN of hdl_graph_slam: positions east and north hold the map, and nothing draws it
 /// to the height that stands for an unknown one. Every fifth fix has an altitude in the second run.
-TEST(GnssFaults, FixesWithoutAltitudeHoldTheMapEastAndNorth) {
+TEST(GnssFaults, FixesWithoutAltitudeConstrainTheMapEastAndNorth) {
   simulation::DriveOptions options;
   options.lidar = "vlp16";
   const simulation::Drive drive(options);

@@ -163,7 +163,7 @@ TEST_F(MapExtenderTest, TakesTheCloudsOfWhatIsNew) {
 }
 
 // Three places were claimed: a right one, none, and one that a person says is wrong.
-TEST_F(MapExtenderTest, ForgetsAPlaceThatAPersonWithdraws) {
+TEST_F(MapExtenderTest, DiscardsAPlaceThatAPersonWithdraws) {
   MapExtender extender(map(), folder_beside(extended()));
   add(street_drive(times(5, 'f') + times(2, 's') + times(3, 'f') + "b", 20), extender);
   extender.withdraw_place();

@@ -108,7 +108,7 @@ TEST(MapExtension, MakesOneSectionOfTwoThatMeet) {
   EXPECT_NEAR(section.new_path_length, street_length(20), kTolerance);
 }
 
-TEST(MapExtension, KeepsTwoApartWithALongKnownPathBetweenThem) {
+TEST(MapExtension, SeparatesTwoWithALongKnownPathBetweenThem) {
   const auto drive = street_drive(
       times(20, 'f') + times(10, 'b') + times(40, 'f') + times(10, 'b') + times(20, 'f'), 0);
   const MapExtension extension = plan_extension(drive, street_map(101));
@@ -118,7 +118,7 @@ TEST(MapExtension, KeepsTwoApartWithALongKnownPathBetweenThem) {
 }
 
 // The place was given up where nothing of the map was in sight any more; odometry goes on.
-TEST(MapExtension, GoesOnWhereThePlaceWasGivenUp) {
+TEST(MapExtension, ContinuesWhereThePlaceWasGivenUp) {
   const auto drive = street_drive(times(30, 'f') + times(10, 'b') + times(20, 'l'), 20);
   const NewSection section = only_section(plan_extension(drive, street_map()));
   EXPECT_EQ(section.end, 60U);
@@ -151,7 +151,7 @@ TEST(MapExtension, EndsWhereOdometryDoes) {
   EXPECT_NEAR(extension.omitted.never_found, street_length(9), kTolerance);
 }
 
-TEST(MapExtension, LeavesOutWhatTooFewTiesHold) {
+TEST(MapExtension, LeavesOutSectionsWithTooFewTies) {
   const auto drive = street_drive(times(4, 'f') + times(10, 'b'), 46);
   const MapExtension extension = plan_extension(drive, street_map());
   EXPECT_TRUE(extension.sections.empty());

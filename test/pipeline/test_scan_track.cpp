@@ -125,7 +125,7 @@ TEST_F(ScanTrack, DoesWithoutKeyFramesThatHaveNoPose) {
   }
 }
 
-TEST_F(ScanTrack, TellsTheMotionByTheNeighbours) {
+TEST_F(ScanTrack, DerivesTheMotionFromTheNeighbours) {
   for (int i = 0; i <= 4; ++i) add_scan(0.1 * i);
   add_key_frame(0.0, 0.0);
   for (const ScanPose& scan : scan_poses(session_, poses_)) {
@@ -137,7 +137,7 @@ TEST_F(ScanTrack, TellsTheMotionByTheNeighbours) {
 }
 
 // Over a gap of more than half a second the vehicle may have done anything.
-TEST_F(ScanTrack, TellsNoMotionOverAGap) {
+TEST_F(ScanTrack, GivesNoMotionOverAGap) {
   add_scan(0.0);
   add_scan(0.6);
   add_scan(0.7);

@@ -16,6 +16,7 @@
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
 #include "coarse_initialization.hpp"
+#include "near.hpp"
 #include "street_graph.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -229,7 +230,7 @@ TEST(CoarseInitialization, IsExactForExactMeasurements) {
   ASSERT_TRUE(initialize_coarsely(drive.graph, 1));
   for (std::size_t i = 0; i < drive.truth.size(); ++i) {
     const Pose& pose = drive.graph.nodes[i].pose;
-    ASSERT_LT((pose.translation - drive.truth[i].translation).norm(), 1e-4) << i;
+    ASSERT_TRUE(test::near(pose.translation, drive.truth[i].translation, 1e-4)) << i;
   }
 }
 

@@ -80,7 +80,7 @@ TEST(ClockCheck, NamesTheSensorWhoseClockNobodySet) {
 }
 
 /// A bag that was written anew has other times than those of the deliveries.
-TEST(ClockCheck, BelievesNoTimesOfRecordingThatScatter) {
+TEST(ClockCheck, IgnoresTimesOfRecordingThatScatter) {
   EXPECT_EQ(findings([](int sample) { return 0.1 * sample; }), "");
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "checks/input_checks.hpp"
+#include "near.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -36,7 +37,7 @@ TEST(ExtentCheck, MeasuresTheMiddleAndTheRadius) {
   PointCloud cloud = ring(1.0F, {5.0F, -3.0F, 1.0F});
   const auto extent = extent_of(cloud);
   ASSERT_TRUE(extent.has_value());
-  EXPECT_NEAR((extent->middle - Eigen::Vector3f(5.0F, -3.0F, 1.0F)).norm(), 0.0F, 0.5F);
+  EXPECT_TRUE(test::near(extent->middle, Eigen::Vector3f(5.0F, -3.0F, 1.0F), 0.5));
   EXPECT_NEAR(extent->radius, 10.0F, 0.5F);
 }
 

@@ -128,7 +128,7 @@ TEST_F(Track, RefusesFixesThatRepeatATimeOrComeTooLate) {
   EXPECT_EQ(add(fix_at(2)), Insertion::kInserted);
 }
 
-TEST_F(Track, TellsThatTimeWentBackByMoreThanTwoSeconds) {
+TEST_F(Track, ReportsThatTimeWentBackByMoreThanTwoSeconds) {
   drive(0, 5);
   EXPECT_EQ(add(fix_at(3.1)), Insertion::kRefused);
   EXPECT_EQ(add(fix_at(2.9)), Insertion::kTimeWentBack);
@@ -161,7 +161,7 @@ TEST_F(Track, KeepsTheLastTwoHundredFixesThatWait) {
   for (int i = 0; i < 250; ++i) EXPECT_EQ(add(fix_at(0.05 * i)), Insertion::kInserted);
   const std::vector<std::string> dropped = evaluate_all();
   ASSERT_EQ(dropped.size(), 50U) << "the others are counted as refused";
-  EXPECT_NE(dropped[0].find("before 200 later ones"), std::string::npos) << dropped[0];
+  EXPECT_NE(dropped[0].find("before 200 later fixes came"), std::string::npos) << dropped[0];
   EXPECT_TRUE(evaluate_all().empty()) << "they are told once";
   EXPECT_EQ(track_.stream().buffer().oldest().stamp, at(0.05 * 50));
   EXPECT_EQ(track_.stream().buffer().newest().stamp, at(0.05 * 249));
@@ -243,7 +243,7 @@ TEST_F(Track, UsesFixesWithoutAltitudeInThePlane) {
   EXPECT_NE(messages().find("at the height of the datum, 115.00 m"), std::string::npos);
 }
 
-TEST_F(Track, ForgetsFixesButNotItsFrame) {
+TEST_F(Track, DiscardsFixesButNotItsFrame) {
   drive(0, 3);
   ASSERT_EQ(add(fix_at(4)), Insertion::kInserted);
   track_.clear();

@@ -74,7 +74,7 @@ TEST(HeadingCheck, NeedsThreeSectionsInARow) {
   EXPECT_FALSE(drive.agrees().has_value());
 }
 
-TEST(HeadingCheck, ChangesItsMind) {
+TEST(HeadingCheck, CanReverseItsDecision) {
   Drive drive(0.0);
   for (int i = 0; i < 3; ++i) drive.step(1.0, 0.0);
   EXPECT_EQ(drive.agrees(), false);

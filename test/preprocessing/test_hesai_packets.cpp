@@ -6,6 +6,7 @@
 
 #include "error_text.hpp"
 #include "hesai_encoder.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
@@ -15,6 +16,7 @@ using test::HesaiBytes;
 using test::HesaiPacketWriter;
 using test::HesaiReturn;
 using test::HesaiSensor;
+using test::near;
 
 constexpr Stamp kStamp = 1'700'000'000'500'000'000;
 
@@ -75,7 +77,7 @@ Packets packets_of(const HesaiSensor& sensor, const Turn& turn) {
 void expect_point(const PacketScan& scan, std::size_t i, const Eigen::Vector3d& position,
                   double time_us) {
   ASSERT_LT(i, scan.cloud.size());
-  EXPECT_LT((scan.cloud.points[i].position().cast<double>() - position).norm(), 1e-5) << i;
+  EXPECT_TRUE(near(scan.cloud.points[i].position().cast<double>(), position, 1e-5)) << i;
   EXPECT_NEAR(scan.cloud.times[i], 1e-6 * time_us, 1e-8) << i;
 }
 

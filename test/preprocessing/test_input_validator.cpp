@@ -233,7 +233,8 @@ TEST(InputValidator, FindsCovariancesThatAreTooSmallBelowTheBound) {
   Messages messages = clean();
   for (GnssFix& fix : messages.gnss) *fix.covariance *= 0.01;
   const std::string faults = all_faults(messages);
-  EXPECT_NE(faults.find("gnss_sigma_floor_xy (0.05 m) stands in"), std::string::npos) << faults;
+  EXPECT_NE(faults.find("gnss_sigma_floor_xy (0.05 m) is used instead"), std::string::npos)
+      << faults;
 }
 
 TEST(InputValidator, FindsTimeOffsets) {

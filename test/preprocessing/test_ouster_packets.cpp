@@ -10,6 +10,7 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
+using test::near;
 using test::OusterReturn;
 using test::OusterSensor;
 
@@ -69,7 +70,7 @@ TEST_P(OusterProfiles, PointsLieWhereTheManualHasThem) {
       if (value.counts == 0) continue;
       const OusterPoint& point = points[at++];
       const Eigen::Vector3d expected = sensor.point(column, pixel, value.counts);
-      EXPECT_LT((point.point.position().cast<double>() - expected).norm(), 1e-6);
+      EXPECT_TRUE(near(point.point.position().cast<double>(), expected, 1e-6));
       EXPECT_EQ(point.point.intensity, static_cast<float>(pixel));
       EXPECT_EQ(point.stamp, static_cast<Stamp>(kBegin + (column - 128) * kStep));
     }
@@ -129,8 +130,8 @@ TEST(Ouster, TwoReturnsAreTwoPointsUnlessTheyAreEqual) {
   decoder.decode(packet.data(), points);
   ASSERT_EQ(points.size(), 16U * 4U - 8U + 1U);
   const std::size_t second = 3 + 1;  // behind the three of the first column
-  EXPECT_LT((points[second].point.position().cast<double>() - sensor.point(129, 0, 7000)).norm(),
-            1e-6);
+  EXPECT_TRUE(
+      near(points[second].point.position().cast<double>(), sensor.point(129, 0, 7000), 1e-6));
   EXPECT_EQ(points[second].point.intensity, 200.0F);
 }
 
@@ -145,7 +146,7 @@ TEST(Ouster, BeamsThatBeginAboveTheOrigin) {
   const double angle = -2.0 * kPi * 128.0 / 512.0;
   const Eigen::Vector3d start(0.03 * std::cos(angle), 0.03 * std::sin(angle), 0.04);
   const Eigen::Vector3d expected = start + sensor.point(128, 0, measured(128, 0).counts - 50.0);
-  EXPECT_LT((points[0].point.position().cast<double>() - expected).norm(), 1e-6);
+  EXPECT_TRUE(near(points[0].point.position().cast<double>(), expected, 1e-6));
 }
 
 TEST(Ouster, OtherProfilesAreNamed) {
@@ -174,9 +175,8 @@ TEST(Ouster, ImuInMetresAndRadians) {
   const auto packet = test::ouster_imu_packet(123, {0.1, -0.2, 1.0}, {90.0, 0.0, -180.0});
   const ImuSample sample = ouster_imu(packet.data());
   EXPECT_EQ(sample.stamp, 123);
-  EXPECT_LT((sample.linear_acceleration - Eigen::Vector3d(0.980665, -1.96133, 9.80665)).norm(),
-            1e-6);
-  EXPECT_LT((sample.angular_velocity - Eigen::Vector3d(kPi / 2.0, 0.0, -kPi)).norm(), 1e-6);
+  EXPECT_TRUE(near(sample.linear_acceleration, Eigen::Vector3d(0.980665, -1.96133, 9.80665), 1e-6));
+  EXPECT_TRUE(near(sample.angular_velocity, Eigen::Vector3d(kPi / 2.0, 0.0, -kPi), 1e-6));
 }
 
 TEST(Ouster, ATimeOfTheImuThatNoClockHasIsRefused) {

@@ -216,7 +216,7 @@ class Stream : public testing::Test {
   SensorStream<Sample> stream_{"imu", true, 0.1};
 };
 
-TEST_F(Stream, RefusesWhatItHasAndTellsThatTimeWentBack) {
+TEST_F(Stream, RefusesKnownStampsAndReportsThatTimeWentBack) {
   EXPECT_EQ(insert(5.0), Insertion::kInserted);
   EXPECT_EQ(insert(5.0), Insertion::kRefused);
   EXPECT_EQ(insert(4.0), Insertion::kInserted) << "late, but new";

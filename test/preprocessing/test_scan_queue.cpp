@@ -109,7 +109,7 @@ TEST(StampGuard, RefusesASingleStrayStamp) {
 }
 
 // Two stray stamps agree with each other, but a good one came between them.
-TEST(StampGuard, ForgetsAStrayStampWithTheNextGoodOne) {
+TEST(StampGuard, DiscardsAStrayStampWithTheNextGoodOne) {
   StampGuard guard;
   guard.accepts(at(10.0), at(10.0));
   EXPECT_FALSE(guard.accepts(at(100.0), at(10.0)));

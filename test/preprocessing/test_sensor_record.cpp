@@ -94,7 +94,7 @@ TEST(CheckHeaders, SaysWhatAMissingTransformMeans) {
   EXPECT_EQ(of_gnss.find("WARNING no transform from 'gps'"), 0U) << of_gnss;
   EXPECT_NE(of_gnss.find("without it the sensor is not used"), std::string::npos) << of_gnss;
   const std::string of_points = problems_of(check_headers("points", topic, lookup));
-  EXPECT_NE(of_points.find("takes the frame of the scans"), std::string::npos) << of_points;
+  EXPECT_NE(of_points.find("uses the frame of the scans"), std::string::npos) << of_points;
 }
 
 TEST(CheckHeaders, LooksUpFramesWithoutTheirLeadingSlash) {
@@ -111,7 +111,7 @@ TEST(CheckHeaders, NamesNoFrameThatIsNotThere) {
   EXPECT_EQ(report.diagnostics[0].text, "the messages name no frame");
 }
 
-TEST(CheckHeaders, TellsAClockThatWasSetBackFromTwoPublishers) {
+TEST(CheckHeaders, DistinguishesAClockThatWasSetBackFromTwoPublishers) {
   const std::string set_back = problems_of(
       check_headers("imu", topic_of({0.0, 0.1, 0.2, 0.3, 0.4, -0.1, 0.0, 0.1, 0.2}), lookup));
   EXPECT_EQ(set_back.find("FAULT the clock of the stamps was set back by 0.5 s: the 4 messages"),
@@ -122,7 +122,7 @@ TEST(CheckHeaders, TellsAClockThatWasSetBackFromTwoPublishers) {
   EXPECT_EQ(two.find("FAULT 4 of 9 stamps do not increase: two publishers"), 0U) << two;
 }
 
-TEST(CheckHeaders, TellsMessagesThatCameTwice) {
+TEST(CheckHeaders, ReportsMessagesThatCameTwice) {
   const std::string twice =
       problems_of(check_headers("imu", topic_of({0.0, 0.0, 0.1, 0.1, 0.2}), lookup));
   EXPECT_EQ(twice.find("FAULT 2 of 5 messages have the stamp of the one before: they are left out"),

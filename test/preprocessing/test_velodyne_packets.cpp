@@ -8,12 +8,14 @@
 #include "lidar_mapping/preprocessing/velodyne_packets.hpp"
 
 #include "error_text.hpp"
+#include "near.hpp"
 #include "temporary_folder.hpp"
 #include "velodyne_encoder.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
 
+using test::near;
 using test::put_block;
 using test::put_end;
 using test::VelodyneBytes;
@@ -69,7 +71,7 @@ Packets packets_of(std::uint8_t product, unsigned step, std::uint32_t packet_us,
 void expect_point(const PacketScan& scan, std::size_t i, const Eigen::Vector3d& position,
                   double time) {
   ASSERT_LT(i, scan.cloud.size());
-  EXPECT_LT((scan.cloud.points[i].position().cast<double>() - position).norm(), 1e-5) << i;
+  EXPECT_TRUE(near(scan.cloud.points[i].position().cast<double>(), position, 1e-5)) << i;
   EXPECT_NEAR(scan.cloud.times[i], time, 1e-8) << i;
 }
 

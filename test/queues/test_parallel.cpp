@@ -37,7 +37,7 @@ TEST(ParallelChunks, TakesEveryIndexOnceAndNoneOfNothing) {
   EXPECT_EQ(seen, 50U);
 }
 
-TEST(ParallelChunks, HandsTheErrorOfAChunkOn) {
+TEST(ParallelChunks, PassesOnTheErrorOfAChunk) {
   const auto fail = [](std::size_t begin, std::size_t) {
     if (begin >= 70) throw std::runtime_error("no");
   };

@@ -43,7 +43,7 @@ TEST(StageThread, ThrowsToWhoPushesAndToWhoFinishes) {
 }
 
 // What is broken off does not work off its queue first.
-TEST(StageThread, ForgetsWhatWaitsWhenNobodyFinishesIt) {
+TEST(StageThread, DiscardsWaitingWorkWhenNobodyFinishesIt) {
   auto second = std::make_shared<int>(2);
   const std::weak_ptr<int> waits = second;
   std::promise<void> begun;
@@ -71,7 +71,7 @@ TEST(StageThread, WorksInThePushWithoutAThread) {
   stage.finish();
 }
 
-TEST(StageThread, TellsItsTimeWhileItWorks) {
+TEST(StageThread, ReportsItsTimeWhileItWorks) {
   StageThread<int> stage(1, true, [](int&&) {});
   double seconds = 0.0;
   for (int i = 0; i < 100; ++i) {

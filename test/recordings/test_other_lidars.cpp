@@ -66,7 +66,7 @@ TEST_F(OtherLidarsTest, TakesStampsInAnyOrderWithinReach) {
   EXPECT_EQ(around(1000), Milliseconds({1000, 990}));
 }
 
-TEST_F(OtherLidarsTest, ForgetsWhatLiesBehindTheScan) {
+TEST_F(OtherLidarsTest, DiscardsCloudsBeforeTheScan) {
   add("/left", {1000, 1200});
   EXPECT_EQ(around(1150), Milliseconds({1200}));
   EXPECT_EQ(around(1000), Milliseconds()) << "scans come in their order";

@@ -158,7 +158,7 @@ TEST(GaussianVoxelMap, KeepsThemApartWithoutAMatchIfItsPlanesAreUpdated) {
 }
 
 // What is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
-TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
+TEST(GaussianVoxelMap, DiscardsOnlyWhatIsFarAway) {
   GaussianVoxelMap map(1.0, 4096);
   for (int x = 0; x < 1000; ++x) {
     const Eigen::Vector3f p(static_cast<float>(x) + 0.5F, 0.5F, 0.5F);

@@ -26,7 +26,7 @@ TEST_P(Methods, FindTheInverseWithTheCloudsExchanged) {
   EXPECT_TRUE(test::near(result.T_target_source, scene.T_target_source.inverse(), 0.06, 0.006));
 }
 
-TEST_P(Methods, BearNoise) {
+TEST_P(Methods, AreRobustAgainstNoise) {
   const Scene scene = make_scene(0.1);
   const RegistrationResult result =
       aligned(scene.target, scene.source, scene.T_target_source * pose_of(-0.3, 0.3, 0, 0, 0, 0.04),
@@ -36,7 +36,7 @@ TEST_P(Methods, BearNoise) {
 }
 
 // The method's library may call it converged; this package does not.
-TEST_P(Methods, AdmitThatIterationsRanOut) {
+TEST_P(Methods, ReportThatIterationsRanOut) {
   const Scene scene = make_scene(0.02);
   RegistrationConfig hasty = config();
   hasty.max_iterations = 1;

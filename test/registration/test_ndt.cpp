@@ -74,7 +74,7 @@ TEST(NdtMatcher, SaysHowFarItWent) {
 }
 
 // In units of what the planes claim: walls that are smoother than those of the map fit better.
-TEST(NdtMatcher, TellsHowFarThePointsLieFromTheirPlanes) {
+TEST(NdtMatcher, ReportsTheDistanceOfThePointsFromTheirPlanes) {
   GaussianVoxelMap map = corner_map();
   const auto variance_with = [&](double noise) {
     const NdtPoints points = seen_from(MotionState{}, test::street_corner(2, 4000, noise));

@@ -221,7 +221,7 @@ TEST(NdtNeighbors, OfNoPointsAreNone) {
   EXPECT_TRUE(neighbors.planes(0).x.empty());
 }
 
-TEST(RotatedPoints, KnowTheirPositionAndTheWayToTheSensor) {
+TEST(RotatedPoints, HaveTheirPositionAndTheDirectionToTheSensor) {
   RotatedPoints points;
   points.x = {1.0F};
   points.y = {2.0F};

@@ -147,7 +147,7 @@ TEST(NdtPoints, MayBeNoneOrOne) {
   EXPECT_FALSE(one.viewpoint().has_value());
 }
 
-TEST(NdtPoints, ForgetThoseBefore) {
+TEST(NdtPoints, DiscardPreviousPoints) {
   NdtPoints points = numbered(random_times(500), Eigen::Vector3f(1.0F, 0.0F, 0.0F));
   const std::vector<float> one = {7.0F}, two = {14.0F}, three = {-21.0F}, time = {0.5F};
   points.assign(one, two, three, time);

@@ -41,7 +41,7 @@ inline ExaminedDrive straight_drive(std::size_t scans = 60) {
     scan.T_odom_base = T_odom_map() * scan.T_map_base;
     scan.agreement = 0.8;
     scan.coverage = 0.9;
-    scan.reason = "the map shows 80 % of what stands here";
+    scan.reason = "80 % of the surroundings agree with the map";
     if (i >= 5) scan.state = localization::LocalizationState::kFollowing;
     drive.scans.push_back(scan);
   }

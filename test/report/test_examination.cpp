@@ -123,7 +123,7 @@ TEST(Examination, CountsPasses) {
 TEST(Examination, SaysWhereThePlaceWasLostInTheMap) {
   ExaminedDrive drive = straight_drive();
   set_state(drive, 30, 35, LocalizationState::kLost);
-  drive.scans[30].reason = "the map knows 90 % and shows 3 %";
+  drive.scans[30].reason = "3 % of the surroundings agree with the map";
   const Json losses = figures_of(drive)["losses"];
   ASSERT_EQ(losses.size(), 1U);
   EXPECT_EQ(losses[0]["in_map"], true);
@@ -201,7 +201,7 @@ TEST(Examination, FindsWhereThePlaceJumps) {
   EXPECT_NEAR(odometry["rmse_m"], 0.8 * std::sqrt(10.0 / 45.0), 1e-6);
 }
 
-TEST(Examination, TellsOneJumpFromAnother) {
+TEST(Examination, DistinguishesOneJumpFromAnother) {
   ExaminedDrive drive = straight_drive();
   move_left(drive, 20, 0.8);
   move_left(drive, 40, -0.9);
@@ -236,8 +236,8 @@ TEST(Examination, IsWrittenForAPerson) {
   for (const char* part :
        {"examined by tuesday_in_monday (tuesday.bag), 60 scans over 59 m: found after 0.5 s and "
         "5.0 m\n",
-        "  followed            50 scans      50.0 m\n",
-        "  lost                 5 scans       5.0 m\n",
+        "  followed             50 scans      50.0 m\n",
+        "  lost                  5 scans       5.0 m\n",
         "  agreement 0.80, a tenth of the scans below 0.80; coverage 0.90, a tenth of the scans "
         "below 0.90\n",
         "  motion over 10 m against odometry: mean 0.000 m, rms 0.000 m, largest 0.000 m (key ",

@@ -47,7 +47,7 @@ TEST(ExaminationVerdict, IsNeverGoodWhereTheDriveWasLostInTheMap) {
   EXPECT_NE(value_of(drive).find("lost 2 times in it"), std::string::npos) << value_of(drive);
 }
 
-TEST(ExaminationVerdict, BearsALossBeyondTheEndOfTheMap) {
+TEST(ExaminationVerdict, AllowsALossBeyondTheEndOfTheMap) {
   ExaminedDrive drive = straight_drive(100);
   set_state(drive, 85, 100, LocalizationState::kLost);
   EXPECT_EQ(verdict_on(drive)["good"], true) << value_of(drive);

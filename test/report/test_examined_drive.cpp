@@ -74,7 +74,7 @@ TEST_F(ExaminedDriveFiles, HoldWhatLocalizeBagFound) {
   EXPECT_EQ(drive.scans[9].state, LocalizationState::kLost);
 }
 
-TEST_F(ExaminedDriveFiles, AreRefusedWhereTheTableIsSpoilt) {
+TEST_F(ExaminedDriveFiles, AreRefusedIfTheTableIsDamaged) {
   struct Fault {
     const char* words;
     const char* others;

@@ -56,7 +56,7 @@ class ReportFigures : public testing::Test {
   KeyFramePoses poses_;
 };
 
-TEST_F(ReportFigures, TellHowFarOdometryIsFromTheMap) {
+TEST_F(ReportFigures, GiveTheDistanceBetweenOdometryAndMap) {
   const json::Json figures = trajectory_figures(report_input(session_));
   EXPECT_EQ(figures["rows"].size(), 11U);
   EXPECT_NEAR(figures["odometry_max_m"], 0.25, 1e-9);
@@ -81,7 +81,7 @@ TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
   EXPECT_NEAR(figures["candidates"][0]["odometry_residual_m"], std::hypot(0.25, 0.03), 1e-9);
 }
 
-TEST_F(ReportFigures, FindTheLongestWayWithoutAConstraint) {
+TEST_F(ReportFigures, FindTheLongestPathWithoutAConstraint) {
   session_.add_loop(loop(0, 3, 0.0));
   const auto graph = solved_graph(session_);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
@@ -186,7 +186,7 @@ TEST_F(ReportFigures, RefuseATruthOfAnotherTime) {
   EXPECT_THROW(truth_figures(report_input(session_, truth)), InputError);
 }
 
-TEST_F(ReportFigures, TellWhereTheMapComesFrom) {
+TEST_F(ReportFigures, NameTheOriginOfTheMap) {
   EXPECT_TRUE(origin_figures(report_input(session_))["recording"].is_null());
   RunRecord record;
   record.software = "lidar_mapping 0.1.0";

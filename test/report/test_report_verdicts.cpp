@@ -117,7 +117,7 @@ TEST(ReportVerdicts, SayWhereThePosesAreKnownLeast) {
   EXPECT_EQ(verdict_on(report, "Pose uncertainty"), false);
   report["uncertainty"]["doubtful"] = 0;
   report["uncertainty"]["not_tied"] = 5;
-  EXPECT_EQ(value(), known + "; 5 key frames are not tied to the first");
+  EXPECT_EQ(value(), known + "; 5 key frames are not connected to the first");
   report["verdicts"] = verdicts(report);
   EXPECT_EQ(overall_verdict(report), "Look at: Pose uncertainty");
   report["uncertainty"]["largest"] = nullptr;

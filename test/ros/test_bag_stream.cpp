@@ -123,7 +123,7 @@ TEST_P(BagStreamTest, MergesTopicsThatWereWrittenOneAfterTheOther) {
   EXPECT_EQ(streamed({path("a.bag")}, kTopics), viewed({path("a.bag")}, kTopics));
 }
 
-TEST_P(BagStreamTest, ReadsAgainWhatItHadToForget) {
+TEST_P(BagStreamTest, ReadsAgainWhatItDiscarded) {
   auto messages = some_messages(engine_);
   std::shuffle(messages.begin(), messages.end(), engine_);
   write_bag(path("a.bag"), messages, GetParam());
@@ -290,7 +290,7 @@ class ScarceMemory {
   rlimit before_{};
 };
 
-TEST_P(BagStreamTest, BelievesNoSizeThatAChunkCannotHave) {
+TEST_P(BagStreamTest, RefusesASizeThatAChunkCannotHave) {
   write_bag(path("a.bag"), some_messages(engine_), GetParam());
   const std::string bytes = test::content_of(path("a.bag"));
   overwrite(path("a.bag"), bytes.find("size=") + 5, "\xFF\xFF\xFF\x7F");

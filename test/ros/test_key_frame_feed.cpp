@@ -117,7 +117,7 @@ TEST(KeyFrameFeed, GivesUpAndCountsWhatNobodyHas) {
   EXPECT_EQ(world.feed.missing(), 2U);
 }
 
-TEST(KeyFrameFeed, AHoleInTheStoreHoldsNothingUp) {
+TEST(KeyFrameFeed, AGapInTheStoreDelaysNothing) {
   World world;
   world.stored = {0, 1, 5, 6};
   world.feed.catch_up(world.known());

@@ -103,7 +103,7 @@ TEST(McapRecords, NameTypesAndTopics) {
   expect_whole(channel, mcap_channel);
 }
 
-TEST(McapRecords, TellWhereAChunkHasItsContent) {
+TEST(McapRecords, GiveThePositionOfTheContentOfAChunk) {
   Bytes head;
   head.u64(10).u64(20).u64(3000).u32(0xCAFE).text("lz4").u64(1200);
   Bytes chunk = head;

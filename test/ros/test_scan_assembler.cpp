@@ -217,7 +217,7 @@ TEST(ScanAssembler, RefusesStampsThatGoBackAndKeepsTheOthers) {
   EXPECT_EQ(stamps(assembler.flush()), (std::vector<Stamp>{2 * kPeriod, 3 * kPeriod}));
 }
 
-TEST(ScanAssembler, AnOutsideOdometryThatIsSilentHoldsNoMemory) {
+TEST(ScanAssembler, ASilentExternalOdometryUsesNoMemory) {
   ScanAssembler assembler(true);
   for (int i = 1; i <= 1000; ++i) {
     assembler.add_scan(scan_at(i * kPeriod));

@@ -27,9 +27,9 @@ TEST(WhySilent, SaysThatThereIsNone) {
             "driver");
 }
 
-TEST(WhySilent, TellsAPublisherThatIsSilentFromOneOfAnotherType) {
+TEST(WhySilent, DistinguishesASilentPublisherFromOneOfAnotherType) {
   EXPECT_EQ(why({{"/a", kType}, {"/imu", kType}}),
-            "nothing has come on /imu yet, which is published");
+            "no message has arrived on /imu yet, although it is published");
   EXPECT_EQ(why({{"/imu", "std_msgs/String"}}),
             "/imu is published as std_msgs/String, not as sensor_msgs/Imu");
 }
@@ -40,7 +40,7 @@ TEST(WhySilent, TakesEachOfTheTypes) {
             "nobody publishes /points; topics of b/B that are published: /other (choose one with "
             "points:=TOPIC)");
   EXPECT_EQ(why_silent("/points", types, {{"/points", "b/B"}}, {}, "points"),
-            "nothing has come on /points yet, which is published");
+            "no message has arrived on /points yet, although it is published");
 }
 
 }  // namespace

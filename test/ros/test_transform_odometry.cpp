@@ -44,7 +44,7 @@ TEST(TransformOdometry, GivesTheVelocityBetweenTwoPosesWhicheverFrameIsTheParent
   }
 }
 
-TEST(TransformOdometry, PassesOverWhatTellsNoMotion) {
+TEST(TransformOdometry, IgnoresTransformsWithoutMotion) {
   TransformOdometry odometry("wheels", "base_link");
   const auto add = [&](double seconds, const std::string& parent = "wheels") {
     return odometry.add(

@@ -156,7 +156,7 @@ TEST_F(DatabaseTest, NamesFileColumnAndContentOfADamagedCell) {
   EXPECT_NE(text.find("damaged"), std::string::npos) << text;
 }
 
-TEST_F(DatabaseTest, ForgetsATransactionThatWasNotCommitted) {
+TEST_F(DatabaseTest, DiscardsATransactionThatWasNotCommitted) {
   {
     const Transaction transaction(database_);
     insert();

@@ -144,7 +144,7 @@ TEST(Track, StandsAndTurnsOnTheSpot) {
   EXPECT_NEAR(track.seconds(), 2.0 + 1.2 / 0.6 * 15.0 / 8.0, 0.02);
 }
 
-TEST(Track, TurnsTheShorterWayToItsPathAndWalksIt) {
+TEST(Track, TurnsInTheShorterDirectionToItsPathAndWalksIt) {
   Track track({0.0, 0.0}, 3.0);
   track.walk({{0.0, -8.0}}, {1.2, 0.5, 0.6});
   const std::vector<TrackState>& states = track.states();

@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "localized_drives.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
 using test::content_of;
+using test::near;
 using test::Words;
 
 class ImportMap : public test::LocalizedDrives {
@@ -66,7 +68,7 @@ TEST_F(ImportMap, AlongATrajectoryIsASessionForTheOtherCommands) {
   const auto after = read_trajectory(solved / "trajectory/optimized.tum").poses;
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_LT((after[i].pose.translation - before[i].pose.translation).norm(), 1e-3) << i;
+    EXPECT_TRUE(near(after[i].pose.translation, before[i].pose.translation, 1e-3)) << i;
   }
   EXPECT_EQ(run("map_quality", {session}), 0) << said();
 }

@@ -82,7 +82,7 @@ TEST_F(InputForms, HesaiPacketsOfBothDrivers) {
       << said.first;
 }
 
-TEST_F(InputForms, SpoiltHesaiPacketsAreNamed) {
+TEST_F(InputForms, DamagedHesaiPacketsAreNamed) {
   constexpr PandarDriver kDriver = PandarDriver::kHesaiLidar;
   const auto said = [&](const std::string& name, const auto& spoil) {
     return checked(written(name, hesai_packets_with<kDriver>(spoil)));
@@ -145,7 +145,7 @@ WriteCloud packets_with(const Spoil& spoil) {
   });
 }
 
-TEST_F(InputForms, SpoiltPacketsAreNamed) {
+TEST_F(InputForms, DamagedPacketsAreNamed) {
   const auto said = [&](const std::string& name, const auto& spoil) {
     return checked(written(name, packets_with(spoil)));
   };

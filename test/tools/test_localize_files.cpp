@@ -184,11 +184,9 @@ TEST(ExtensionText, SaysWhatWasAddedAndWhatWasLeftOut) {
   report.key_frames = 57;
   report.largest_move = 0.0031;
   EXPECT_EQ(extension_text(report, "town"),
-            "new to the map: 84 m in 1 stretch; with what lies beside them 57 key frames, held by "
-            "6 ties\n"
-            "left out: 8 m in stretches of less than 10 m\n"
-            "the key frames of the map moved by 0.003 m at most\n"
-            "town\n");
+            "added to the map: 84 m of new path in 1 section; 57 key frames including those of the "
+            "adjacent known path, with 6 constraints to the map\nleft out: 8 m in sections shorter "
+            "than 10 m\nthe key frames of the map moved by 0.003 m at most\ntown\n");
 }
 
 TEST(ExtensionText, SaysWhyNoSessionIsWritten) {
@@ -199,8 +197,8 @@ TEST(ExtensionText, SaysWhyNoSessionIsWritten) {
   report.extension.omitted.not_tied = 40.0;
   EXPECT_EQ(extension_text(report, "town"),
             "nothing could be added to the map, so no session is written\n"
-            "left out: 120 m from which odometry leads to no place that was found in the map; 40 m "
-            "that less than 3 ties hold without contradiction\n");
+            "left out: 120 m that odometry does not connect to any place found in the map; 40 m "
+            "with fewer than 3 consistent constraints to the map\n");
 }
 
 TEST(LocalizationFigures, CountStatesAndSayWhenThePlaceWasFound) {
@@ -215,7 +213,7 @@ TEST(LocalizationFigures, CountStatesAndSayWhenThePlaceWasFound) {
   EXPECT_NEAR(figures["milliseconds"]["following"]["mean"], 2.0, 1e-9);
   const std::string text = localization_text(figures);
   EXPECT_NE(text.find("found after 2.0 s and 3.0 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("50.0 % followed, 25.0 % beside the map, 0.0 % lost, 25.0 % searching"),
+  EXPECT_NE(text.find("50.0 % followed, 25.0 % outside the map, 0.0 % lost, 25.0 % searching"),
             std::string::npos)
       << text;
 }

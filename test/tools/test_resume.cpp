@@ -124,7 +124,7 @@ TEST_F(Resume, TakesNothingAwayIfItIsBrokenOffToo) {
   program.wait();
   EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
   ASSERT_EQ(map({"-o", folder, "--resume", "--duration", "2", "--no-map"}), 0) << said();
-  EXPECT_TRUE(has_said("stays as it was")) << said();
+  EXPECT_TRUE(has_said("is not changed")) << said();
   EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
   EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
   expect_same_bytes(folder);
@@ -176,7 +176,7 @@ TEST_F(Resume, RefusesAnotherRecording) {
   EXPECT_EQ(content_of(folder / "session.db"), before);
 }
 
-TEST_F(Resume, TakesTheRecordingWhereverItLies) {
+TEST_F(Resume, FindsTheRecordingInAnotherFolder) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
   const std::string moved = parent.path() / "renamed.bag";
@@ -190,7 +190,7 @@ TEST_F(Resume, RefusesASessionOfUnknownOrigin) {
   const fs::path folder = broken_off(parent);
   fs::remove(folder / "run.json");
   EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
-  EXPECT_TRUE(has_said("of which recording")) << said();
+  EXPECT_TRUE(has_said("which recording")) << said();
 }
 
 TEST_F(Resume, KeepsWhatAPersonDecided) {

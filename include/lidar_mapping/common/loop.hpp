@@ -33,7 +33,7 @@ struct Loop {
   Pose T_from_to;          ///< as matched: pose of base_link at `to` in base_link at `from`
   Covariance6 covariance = Covariance6::Identity();  ///< of T_from_to, axes of base_link at `to`
   double fitness = 0.0;  ///< mean squared distance of paired points, m^2
-  double overlap = 0.0;  ///< fraction of the scan that the submap explains, 0 to 1
+  double overlap = 0.0;  ///< fraction of the scan with a partner in the submap, 0 to 1
   LoopSource source = LoopSource::kPosition;    ///< how it was found
   LoopDecision decision = LoopDecision::kAuto;  ///< of the user
 };

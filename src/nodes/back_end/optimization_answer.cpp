@@ -28,16 +28,16 @@ std::string place(const back_end::PoseChange& change, Stamp begin) {
 
 std::string movement(const MapOptimization& done) {
   if (done.moved.largest < kUnmoved) {
-    return "No pose moved by a millimetre: the map was as good as all that has come lets it be.";
+    return "No pose moved by a millimetre or more: the map already agreed with all measurements.";
   }
-  return "Poses moved by " + metres(done.moved.mean) + " on average, most by " +
+  return "The poses moved by " + metres(done.moved.mean) + " on average and by at most " +
          metres(done.moved.largest) + " (" + place(done.moved, done.begin) + ").";
 }
 
 std::string correction(const MapOptimization& done) {
-  if (done.corrected.largest < kUnmoved) return "The map is that of odometry alone.";
-  return "From odometry alone they now lie " + metres(done.corrected.mean) +
-         " away on average, most " + metres(done.corrected.largest) + " (" +
+  if (done.corrected.largest < kUnmoved) return "The map is the same as by odometry alone.";
+  return "They now differ from odometry alone by " + metres(done.corrected.mean) +
+         " on average and by at most " + metres(done.corrected.largest) + " (" +
          place(done.corrected, done.begin) + ").";
 }
 
@@ -56,9 +56,10 @@ std::string sentences(const MapOptimization& done) {
       evidence("Loops", report.loops_used, report.loops_refused,
                "No loops: no place was recognised.") +
       " " + evidence("GNSS fixes", report.gnss_used, report.gnss_refused, "No GNSS fixes.");
-  for (const std::string& remark : report.remarks) text += " Mind: " + remark + ".";
-  return text + " Session: " + done.session + ". Next: rosservice call " + done.save_map +
-         " '{}' writes the map to its folder map.";
+  for (const std::string& remark : report.remarks) text += " Note: " + remark + ".";
+  return text + " Session: " + done.session +
+         ". To write the map to the folder map of the session, call: rosservice call " +
+         done.save_map + " '{}'.";
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ std::string next_call(const DriveStatus& status) {
   if (!status.since_optimized) return "no more scans; at the end of the drive: " + optimize;
   if (*status.since_optimized == 0) return "optimised; " + save;
   return "optimised; key frames since then: " + std::to_string(*status.since_optimized) +
-         "\nto take them in: " + optimize + "\n" + save;
+         "\nto include them: " + optimize + "\n" + save;
 }
 
 std::string headline(const DriveStatus& status) {
@@ -49,11 +49,12 @@ std::string headline(const DriveStatus& status) {
   if (status.state.empty()) {
     return "waiting for scans ..." + (status.problem.empty() ? "" : "\n" + broken(status.problem));
   }
-  if (status.state == "degenerate") return "degenerate: not all of the motion shows";
+  if (status.state == "degenerate")
+    return "degenerate: the points do not determine all of the motion";
   if (status.state == "doubtful")
     return "doubtful: the step may be off by more than 0.3 m or 1 deg";
-  if (status.state == "degraded") return "degraded: scans hardly fit the map";
-  if (status.state == "lost") return "lost: scans do not fit the map";
+  if (status.state == "degraded") return "degraded: scans match the map poorly";
+  if (status.state == "lost") return "lost: scans do not match the map";
   return status.state;
 }
 

@@ -100,7 +100,9 @@ SaveMap::Response MapViewerNode::save(const MapInput& input, const SaveMap::Requ
                      std::to_string(input.poses.poses.size()) + " key frames, written to " +
                      order.place().string();
   if (!order.options.p_base_sensor && !request.keep_moving) {
-    response.message += ", with those of moving objects: no session says where the LiDAR is";
+    response.message +=
+        ", including those of moving objects, because no session contains the position of the "
+        "LiDAR";
   }
   return response;
 }

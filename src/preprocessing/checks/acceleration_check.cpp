@@ -126,15 +126,15 @@ void check_accelerations(const VelocityRecord& velocity, const ImuRecord& imu,
   if (!ratio) return;
   if (*ratio == 0.0) {
     add_fault(report,
-              "it never changes, while the IMU feels that the vehicle gets faster or slower",
-              "look whether its sensor is connected, or set use_velocity to false");
+              "it never changes, although the IMU measures that the vehicle accelerates or brakes",
+              "check whether its sensor is connected, or set use_velocity to false");
   } else if (*ratio < 0.0) {
-    add_fault(report, "it decreases while the IMU feels that the vehicle gets faster",
+    add_fault(report, "it decreases although the IMU measures that the vehicle accelerates",
               "its sign is wrong, or an x axis points backwards; correct its driver or the "
               "transform, or set use_velocity to false");
   } else if (*ratio < kLeastRatio || *ratio > kLargestRatio) {
     add_fault(report,
-              formatted("it changes %.2f times as fast as the IMU feels%s", *ratio,
+              formatted("it changes %.2f times as fast as the IMU measures%s", *ratio,
                         is_kilometres_per_hour(*ratio) ? ": it is in km/h" : ""),
               "publish m/s (REP 103), or set use_velocity to false");
   }

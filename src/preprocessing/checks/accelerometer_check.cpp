@@ -77,8 +77,8 @@ void AccelerometerCheck::finish_window() {
 
 std::string AccelerometerCheck::sentence() const {
   if (problem_ == AccelerationProblem::kConstant) {
-    return "an axis of the accelerometer says the same however the sensor tilts; accelerations are "
-           "not used (look for a driver that fills in made-up values)";
+    return "an axis of the accelerometer reports the same value however the sensor tilts; "
+           "accelerations are not used (check whether the driver fills in constants)";
   }
   return formatted(
       "its accelerations are %.2f m/s2 in the mean, which is not gravity; they are not "
@@ -86,7 +86,7 @@ std::string AccelerometerCheck::sentence() const {
       mean_size_,
       mean_size_ > 0.8 && mean_size_ < 1.25
           ? "they are in g: set imu_acceleration_unit to G"
-          : "an axis is dead, gravity was taken off, or the unit is another");
+          : "an axis does not measure, gravity was removed, or the unit is wrong");
 }
 
 }  // namespace lidar_mapping::preprocessing

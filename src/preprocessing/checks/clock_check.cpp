@@ -52,7 +52,8 @@ void check_clock(const TopicStatistics& sensor, const TopicStatistics& points,
   const bool points_are_wrong = std::abs(*delay_of_points) > std::abs(*delay);
   add_fault(report, text,
             std::string(points_are_wrong ? "the LiDAR's" : "its") +
-                " driver must stamp by the computer's clock, or its clock be set by PTP or NTP");
+                " driver must stamp by the computer's clock, or the clock of the sensor must be "
+                "set by PTP or NTP");
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -147,15 +147,14 @@ void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
   const double acceleration_scatter = kUsualAcceleration / std::pow(gnss.usable.topic.rate(), 2);
   if (scatter.measured() < kMaxSigmaRatio * stated_by_messages + acceleration_scatter) return;
   const bool is_covered = scatter.variance_factor() <= 1.0;
-  add_warning(
-      report,
-      formatted("fixes scatter by %.2f m, their covariance says %.3f m", scatter.measured(),
-                stated_by_messages),
-      is_covered
-          ? formatted("gnss_sigma_floor_xy (%.2f m) stands in", config.gnss_sigma_floor_xy)
-          : formatted("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
-                      "beginning",
-                      std::ceil(scatter.measured() * 10.0) / 10.0));
+  add_warning(report,
+              formatted("fixes scatter by %.2f m, but their covariance gives %.3f m",
+                        scatter.measured(), stated_by_messages),
+              is_covered ? formatted("gnss_sigma_floor_xy (%.2f m) is used instead",
+                                     config.gnss_sigma_floor_xy)
+                         : formatted("the covariance is raised to the measured scatter; set "
+                                     "gnss_sigma_floor_xy to %.1f to raise it from the beginning",
+                                     std::ceil(scatter.measured() * 10.0) / 10.0));
 }
 
 /// False if too little is known of the antenna to check the stamps, which were moved by
@@ -169,12 +168,11 @@ bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
   const double off = result.arm_error.norm();
   if (off > std::max(kMinArmError, kSigmas * result.arm_sigma)) {
     const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
-    add_fault(
-        report,
-        formatted("the fixes move as those of an antenna at (%.1f, %.1f) m in base_link, tf has "
-                  "it at (%.1f, %.1f)",
-                  arm.x(), arm.y(), p_base_antenna.x(), p_base_antenna.y()),
-        "correct the transform of the frame of GNSS");
+    add_fault(report,
+              formatted("the fixes move like those of an antenna at (%.1f, %.1f) m in base_link, "
+                        "but tf gives (%.1f, %.1f)",
+                        arm.x(), arm.y(), p_base_antenna.x(), p_base_antenna.y()),
+              "correct the transform of the frame of GNSS");
   }
   return true;
 }
@@ -184,7 +182,7 @@ void check_usable(const GnssRecord& gnss, InputReport& report) {
   report.found += formatted(", %zu of %zu fixes usable", gnss.usable.topic.count, gnss.topic.count);
   for (const auto& [kind, fixes] : gnss.refused) {
     add_warning(report, formatted("%zu fixes refused: %s", fixes.count, fixes.problem.c_str()),
-                "they are left out; the map leans on odometry and loops there");
+                "they are not used; there the map depends on odometry and loops alone");
   }
 }
 
@@ -194,7 +192,7 @@ void check_outages(const TopicStatistics& usable, InputReport& report) {
   add_warning(report,
               formatted("no usable fix for %.1f s, from %.1f s after the first on", gap,
                         to_seconds(usable.gap_begin - usable.first)),
-              "expect drift there unless loops close over it");
+              "expect drift there unless loops correct it");
 }
 
 void check_jumps(const Steps& steps, InputReport& report) {
@@ -237,7 +235,7 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
   if (!gnss.covariance_known) {
     add_warning(
         report, "fixes without covariance",
-        formatted("gnss_unknown_sigma_xy (%.1f m) stands in", config.gnss_unknown_sigma_xy));
+        formatted("gnss_unknown_sigma_xy (%.1f m) is used instead", config.gnss_unknown_sigma_xy));
   }
   const Extrinsics extrinsics(lookup);
   GnssTrack track(config, extrinsics);

@@ -27,7 +27,7 @@ void InputDiagnostics::motion(MotionSource source, bool has_times) {
                   "points: neither IMU nor velocity over the scan; the points keep their times and "
                   "the front end compensates");
   }
-  const std::string name = source == MotionSource::kImu        ? "IMU (turning only)"
+  const std::string name = source == MotionSource::kImu        ? "IMU (rotation only)"
                            : source == MotionSource::kVelocity ? "velocity"
                                                                : "IMU and velocity";
   inform("motion " + name, "points: motion during the scan compensated by " + name);
@@ -41,10 +41,9 @@ void InputDiagnostics::time_went_back(const std::string& input, Stamp jump) {
 
 void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {
   warn("stray " + input,
-       input +
-           formatted(": a stamp %.1f s %s all before was dropped (if the next ones agree with it, "
-                     "they are taken)",
-                     std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
+       input + formatted(": a message was dropped, because its stamp is %.1f s %s all earlier ones "
+                         "(messages with stamps near it are accepted if more of them follow)",
+                         std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
 }
 
 void InputDiagnostics::rejected_fix(const std::string& problem) {
@@ -77,10 +76,9 @@ void InputDiagnostics::implausible_gyro() {
 
 void InputDiagnostics::clipped_gyro(double limit) {
   warn("gyro limit",
-       formatted(
-           "imu: its rates end at %.1f rad/s, where the sensor turns faster; scans meanwhile are "
-           "taken as without gyro (set a larger range in its driver)",
-           limit));
+       formatted("imu: its rates end at %.1f rad/s, where the sensor turns faster; the gyro is not "
+                 "used for these scans (set a larger range in its driver)",
+                 limit));
 }
 
 void InputDiagnostics::rejected_acceleration(const std::string& sentence) {

@@ -67,7 +67,7 @@ void check_gravity(const Eigen::Vector3d& mean, double gravity,
     add_fault(report, "its accelerations are in g", "set imu_acceleration_unit to G");
   } else if (gravity < 8.8 || gravity > 10.8) {
     add_fault(report, formatted("mean acceleration of %.2f m/s2 is not gravity", gravity),
-              "gravity was taken off, or the unit is another; correct the driver");
+              "gravity was removed, or the unit is wrong; correct the driver");
   } else if (T_base_imu && (T_base_imu->rotation * mean).z() < 0.0) {
     add_fault(report, "gravity has the wrong sign, or the IMU is mounted upside down",
               "an IMU at rest reports +g upward (REP 145); correct the driver or the transform");

@@ -74,7 +74,7 @@ namespace {
 /// The rest of the pipeline has to know where the sensor is.
 void check_transform(const std::string& frame, const ExtrinsicLookup& lookup, InputReport& report) {
   const std::string without = report.input == "points"
-                                  ? "map_bag takes the frame of the scans for that of the vehicle; "
+                                  ? "map_bag uses the frame of the scans as that of the vehicle; "
                                   : "without it the sensor is not used; ";
   if (frame.empty()) {
     add_warning(report, "the messages name no frame",

@@ -122,12 +122,13 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
         aligned->center_enu + aligned->R_enu_dr * (p_dr.head<2>() - aligned->center_dr);
     const double off = (fix.p_enu.head<2>() - expected).norm();
     const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
-    return off > limit ? jump_text("beside the measured path", off, limit) : "";
+    return off > limit ? jump_text("to the side of the measured path", off, limit) : "";
   }
   const double distance_travelled = (p_dr - last_match_.p_dr).head<2>().norm();
   const double difference = std::abs(step.head<2>().norm() - distance_travelled);
   const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
-  return difference > limit ? jump_text("more or less than was driven", difference, limit) : "";
+  return difference > limit ? jump_text("longer or shorter than the driven path", difference, limit)
+                            : "";
 }
 
 void GnssGate::add_match(const LocalFix& fix, const Eigen::Vector3d& p_dr) {

@@ -58,19 +58,20 @@ FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   frame_id_ = frame_id;
   LocalFix local = local_frame_.to_local(fix);
   if (!has_height(local.covariance)) {
-    diagnostics_.warn("height",
-                      "gnss: fixes come without altitude; they are used east and north. The map is "
-                      "at the height of the datum, " +
-                          metres(local_frame_.datum()->altitude_m) +
-                          " above the ellipsoid; use_datum and datum say a better one");
+    diagnostics_.warn(
+        "height",
+        "gnss: fixes come without altitude; they are used east and north. The map is "
+        "at the height of the datum, " +
+            metres(local_frame_.datum()->altitude_m) +
+            " above the ellipsoid; set use_datum and datum if a better height is known");
   }
   scatter_.add(local);
   const double factor = scatter_.variance_factor();
   local.covariance *= factor;
   if (factor > 1.0 && scatter_.is_known()) {
     diagnostics_.warn("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
-                                     ", their covariance says " + metres(scatter_.stated()) +
-                                     "; it is raised to what they do");
+                                     ", but their covariance gives " + metres(scatter_.stated()) +
+                                     "; the covariance is raised to the measured scatter");
   }
   pending_fixes_.insert(at, {fix, local, delay_});
   if (pending_fixes_.size() > kMaxPending) {
@@ -83,8 +84,8 @@ FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
 std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors, Stamp now,
                                                      Stamp latency, bool all) {
   std::vector<std::string> rejected(std::exchange(dropped_, std::size_t{0}),
-                                    "IMU or velocity did not come up to it before " +
-                                        std::to_string(kMaxPending) + " later ones");
+                                    "IMU and velocity did not reach its stamp before " +
+                                        std::to_string(kMaxPending) + " later fixes came");
   while (!pending_fixes_.empty()) {
     PendingFix pending = pending_fixes_.front();
     LocalFix& fix = pending.fix;
@@ -211,10 +212,10 @@ void GnssTrack::update_delay() {
   diagnostics_.warn(
       "delay",
       "gnss: its stamps are " + milliseconds(delay_) + (delay_ > 0.0 ? " late" : " early") +
-          " beside IMU and velocity; fixes are only judged by that, and positions "
-          "keep their stamps: the back end corrects what it finds beside odometry "
-          "(estimate_gnss_time_offset), gnss_time_offset " +
-          formatted("%.3f", config_.gnss_time_offset - delay_) + " would correct them here");
+          " compared with IMU and velocity; this is only used to check the fixes, and positions "
+          "keep their stamps. The back end estimates the offset relative to odometry and corrects "
+          "it (estimate_gnss_time_offset); to correct it here, set gnss_time_offset to " +
+          formatted("%.3f", config_.gnss_time_offset - delay_));
 }
 
 bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {

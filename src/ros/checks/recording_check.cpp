@@ -130,7 +130,8 @@ std::optional<CheckDiagnostic> moving_clouds_in(const RecordingCheck& recording)
   return CheckDiagnostic{
       Severity::kWarning,
       "the clouds are in '" + frame + "', a frame in which '" + recording.base_frame + "' moves",
-      "map_bag takes them back by /tf, with its errors; record the clouds of the driver"};
+      "map_bag transforms them back by /tf, whose errors are then in the points; record the clouds "
+      "of the driver"};
 }
 
 /// End of the checked part.

@@ -18,7 +18,7 @@ std::string why_silent(const std::string& topic, const std::vector<std::string>&
   for (const PublishedTopic& other : published) {
     const bool fits = contains(types, other.type);
     if (other.name == topic) {
-      return fits ? "nothing has come on " + topic + " yet, which is published"
+      return fits ? "no message has arrived on " + topic + " yet, although it is published"
                   : topic + " is published as " + other.type + ", not as " + names;
     }
     if (!fits || own.count(other.name) > 0) continue;

@@ -59,7 +59,7 @@ void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) 
 
 /// Keeps the node alive without work, because a restart by roslaunch would fail in the same way.
 void idle_with_error(const std::string& problem) {
-  ROS_FATAL("this node does nothing: correct the error above, end the launch and start it again");
+  ROS_FATAL("this node does nothing: correct the error above, stop the launch and start it again");
   NodeContext context;
   context.diagnostics.set_state(Diagnostics::Level::kError, "did not start: " + problem);
   ros::spin();
@@ -100,8 +100,8 @@ NodeOptions start_ros(int argc, char** argv, const std::string& name, const std:
   app.add_flag("--print-config", options.print_config,
                "Print the configuration in force as YAML and end (asks the ROS master)");
   app.add_flag("--stay-on-error", stay,
-               "If the node cannot start, say why and do nothing until asked to end, for launch "
-               "files that would start it again");
+               "If the node cannot start, log the reason and wait until it is shut down; for "
+               "launch files that would start it again");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

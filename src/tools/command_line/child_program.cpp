@@ -47,7 +47,7 @@ void run_program(const std::filesystem::path& program, const std::vector<std::st
   }
   int status = 0;
   while (waitpid(pid, &status, 0) < 0) {
-    if (errno != EINTR) throw FileError("lost sight of " + program.string());
+    if (errno != EINTR) throw FileError("cannot wait for the end of " + program.string());
   }
   const std::string problem = problem_of(status);
   if (!problem.empty()) throw FileError("this " + problem + ": " + command_line(words));

@@ -151,7 +151,8 @@ class LocalizingRun {
 
   int conclude(const std::vector<LocalizedScan>& scans) {
     const json::Json figures = localization_figures(scans);
-    if (stop_requested_ != 0) std::printf("stopped early: what follows is the drive so far\n");
+    if (stop_requested_ != 0)
+      std::printf("stopped early: the following results are those of the drive so far\n");
     std::printf("%s", localization_text(figures).c_str());
     std::printf("%s\n%s\n", (options_.output + "/trajectory/localized.tum").c_str(),
                 (options_.output + "/localization.csv").c_str());

@@ -97,7 +97,7 @@ std::string localization_text(const Json& figures) {
                      found["metres"].get<double>());
   }
   text += formatted(
-      "%.0f scans over %.0f m: %.1f %% followed, %.1f %% beside the map, %.1f %% lost, %.1f %% "
+      "%.0f scans over %.0f m: %.1f %% followed, %.1f %% outside the map, %.1f %% lost, %.1f %% "
       "searching; mean agreement %.2f\n",
       scans, figures["path_m"].get<double>(), percent("following"), percent("beside_map"),
       percent("lost"), percent("searching"), figures["mean_agreement"].get<double>());

@@ -83,8 +83,8 @@ class MappingRun {
       map(*drive.input, false);
     } catch (const pipeline::ResumeFailure&) {
       std::printf(
-          "going over the whole recording again: its last part alone does not lead to "
-          "where the session ends\n");
+          "the whole recording is mapped again, because its last part alone does not lead to the "
+          "end of the session\n");
       drive = recordings::open_drive(options_.drive, stages_.pipeline.preprocessing);
       map(*drive.input, true);
     }
@@ -92,7 +92,7 @@ class MappingRun {
     record_.is_complete =
         stop_requested_ == 0 && options_.duration == 0.0 && report_.progress.scans > 0;
     if (output_.commit(record_, report_.optimization.key_frames)) return;
-    std::printf("the session of %zu key frames stays as it was: this run came to %zu\n",
+    std::printf("the session with %zu key frames is not changed, because this run made only %zu\n",
                 output_.key_frames_before(), report_.optimization.key_frames);
   }
 
@@ -159,7 +159,8 @@ class MappingRun {
 
   int conclude() {
     const double mapped = progress_->seconds();
-    if (stop_requested_ != 0) std::printf("stopped early: what follows is the drive so far\n");
+    if (stop_requested_ != 0)
+      std::printf("stopped early: the following results are those of the drive so far\n");
     const Session session = Session::open(options_.output, Session::Access::kRead);
     if (session.key_frame_count() == 0) throw InputError(why_no_map(report_.progress.scans));
     if (!output_.is_complete()) std::printf("%s\n", report_.optimization.message.c_str());
@@ -182,8 +183,9 @@ class MappingRun {
   }
 
   static std::string why_no_map(std::size_t scans) {
-    const std::string none = scans == 0 ? "no scan could be used"
-                                        : "none of " + std::to_string(scans) + " scans began a map";
+    const std::string none = scans == 0
+                                 ? "no scan could be used"
+                                 : "none of " + std::to_string(scans) + " scans could start a map";
     return none + ", so there is no map; the lines above say why";
   }
 

@@ -92,7 +92,7 @@ void SessionOutput::check(const report::RunRecord& record,
   const std::string remedy = "; name a new folder for this recording";
   if (!record_ && resume_ == Resume::kExact && key_frames_before_ > 0) {
     throw InputError("nothing in " + folder_.string() +
-                     " says of which recording its session was made" + remedy +
+                     " records from which recording its session was made" + remedy +
                      ", or give --quick-resume if you know that it is this one");
   }
   std::string difference;
