@@ -10,7 +10,6 @@
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/repeating_publisher.hpp"
 #include "lidar_mapping/ros/scratch_folder.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 

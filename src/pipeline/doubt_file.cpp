@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
@@ -20,10 +21,10 @@ constexpr const char* kHeader =
 
 constexpr std::size_t kColumns = 15;  // by definition: cells of kHeader
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+/// The cells of a line; an empty one at its end is missing.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells = csv_cells(line);
+  if (cells.back().empty()) cells.pop_back();
   return cells;
 }
 
@@ -81,7 +82,7 @@ DriveDoubt read_doubt(const std::filesystem::path& path) {
   std::getline(file, line);
   for (int number = 2; std::getline(file, line); ++number) {
     try {
-      const std::vector<std::string> cells = split(line);
+      const std::vector<std::string> cells = cells_of(line);
       doubt.sections.push_back(section_of_cells(cells));
       doubt.begin = doubt.sections.back().begin - stamp_of_seconds(finite_number(cells[1]));
       doubt.path_length = coordinate(cells[8]);
