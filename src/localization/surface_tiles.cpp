@@ -51,7 +51,8 @@ SurfaceTiles::Range SurfaceTiles::range_around(const Eigen::Vector3d& p_map, dou
 
 SurfaceTiles::TileKey SurfaceTiles::tile_of(VoxelKey key) const {
   const VoxelIndex cell = voxel_index(key);
-  return square_key(floor_divided(cell.x(), options_.tile_edge), floor_divided(cell.y(), options_.tile_edge));
+  return square_key(floor_divided(cell.x(), options_.tile_edge),
+                    floor_divided(cell.y(), options_.tile_edge));
 }
 
 void SurfaceTiles::require(const Eigen::Vector3d& p_map, double radius) {

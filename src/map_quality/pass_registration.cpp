@@ -77,8 +77,8 @@ struct CellSides {
 
 /// Separates the points by side, because the upper and the lower side of a slab, or the two sides
 /// of a thin wall, are two surfaces.
-std::unordered_map<VoxelKey, CellSides, VoxelKeyHash> sides_of(const ObservedPoints& points, double cell,
-                                                 double min_points) {
+std::unordered_map<VoxelKey, CellSides, VoxelKeyHash> sides_of(const ObservedPoints& points,
+                                                               double cell, double min_points) {
   std::unordered_map<VoxelKey, PointMoments, VoxelKeyHash> cells;
   for (const ObservedPoint& point : points)
     cells[cell_key(point.position, cell)].add(point.position);

@@ -54,7 +54,8 @@ DoubtfulSection section_of_cells(const std::vector<std::string>& cells) {
   section.path_length = coordinate(cells[7]);
   section.position = {coordinate(cells[9]), coordinate(cells[10]), coordinate(cells[11])};
   section.expected_error = parse_error(cells[12]);
-  section.lowest_probability = coordinate(cells[13]);
+  const double probability = coordinate(cells[13]);
+  if (probability >= 0.0) section.lowest_probability = probability;
   section.is_trusted = cells[14] == "yes";
   return section;
 }
@@ -69,8 +70,8 @@ void write_doubt(const DriveDoubt& doubt, const std::filesystem::path& path) {
          << to_seconds(s.end - doubt.begin) << ',' << s.begin << ',' << s.end << ',' << s.scans
          << ',' << s.path_begin << ',' << s.path_length << ',' << doubt.path_length << ','
          << s.position.x() << ',' << s.position.y() << ',' << s.position.z() << ','
-         << s.expected_error << ',' << s.lowest_probability << ',' << (s.is_trusted ? "yes" : "no")
-         << '\n';
+         << s.expected_error << ',' << s.lowest_probability.value_or(kUnknownProbability) << ','
+         << (s.is_trusted ? "yes" : "no") << '\n';
   }
   write_text_atomically(path, text.str());
 }
