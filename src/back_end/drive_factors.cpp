@@ -89,8 +89,8 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
 void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
                    pose_graph::FactorGraph& graph) {
   for (const Vertical& vertical : verticals(drive, config)) {
-    graph.add({pose_graph::tilt_residual(vertical.up_base, vertical.stddev), vertical.node, -1,
-               false, config.imu_robust_kernel, config.robust_kernel_size});
+    graph.add({pose_graph::tilt_residual(vertical.up_base, vertical.stddev), vertical.node,
+               pose_graph::kNoNode, false, config.imu_robust_kernel, config.robust_kernel_size});
   }
 }
 

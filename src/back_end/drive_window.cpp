@@ -94,10 +94,9 @@ std::map<int, int> steps_from(const DriveGraph& drive, const std::vector<int>& s
   return steps_to;
 }
 
-/// Position of a node in the window; -1: it is not in it.
+/// Position in the window of a node, which has to be in it.
 int position_in_window(const DriveWindow& window, int node) {
   const auto found = std::lower_bound(window.nodes.begin(), window.nodes.end(), node);
-  if (found == window.nodes.end() || *found != node) return -1;
   return static_cast<int>(found - window.nodes.begin());
 }
 

@@ -13,6 +13,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
+using pose_graph::kNoNode;
+
 /// Factor by which the covariance of each position grows because neighbouring positions have common
 /// errors.
 std::vector<double> covariance_factors(const DriveGraph& drive, const BackEndConfig& config) {
@@ -45,13 +47,13 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
         {pose_graph::antenna_horizontal_residual(
              p.p_enu_antenna, p.p_base_antenna,
              covariance_factor[i] * horizontal_covariance(p, config)),
-         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+         gnss.node, kNoNode, true, config.gnss_robust_kernel, config.robust_kernel_size});
     if (!has_altitude(p)) continue;
     factors.altitude_of[i] = factors.graph.add(
         {pose_graph::antenna_altitude_residual(
              p.p_enu_antenna.z(), p.p_base_antenna,
              std::sqrt(covariance_factor[i]) * altitude_stddev(p, config)),
-         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+         gnss.node, kNoNode, true, config.gnss_robust_kernel, config.robust_kernel_size});
   }
 }
 
@@ -63,7 +65,7 @@ void add_headings(const DriveGraph& drive, const BackEndConfig& config,
     if (!in_enu[drive.segment_of(gnss.node)]) continue;
     graph.add({pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base),
                                             config.imu_heading_stddev_deg * kRadPerDeg),
-               gnss.node, -1, false, config.imu_robust_kernel, config.robust_kernel_size});
+               gnss.node, kNoNode, false, config.imu_robust_kernel, config.robust_kernel_size});
   }
 }
 

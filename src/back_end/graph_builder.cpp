@@ -45,11 +45,11 @@ void check_key_frame(const KeyFrame& key_frame, const DriveGraph& drive) {
                    std::to_string(drive.nodes.back().index) + "; indices must increase over a run");
 }
 
-int position_of(KeyFrameIndex index, const DriveGraph& drive) {
+std::optional<int> position_of(KeyFrameIndex index, const DriveGraph& drive) {
   const auto found = std::lower_bound(
       drive.nodes.begin(), drive.nodes.end(), index,
       [](const DriveNode& node, KeyFrameIndex wanted) { return node.index < wanted; });
-  if (found == drive.nodes.end() || found->index != index) return -1;
+  if (found == drive.nodes.end() || found->index != index) return std::nullopt;
   return static_cast<int>(found - drive.nodes.begin());
 }
 
@@ -119,12 +119,12 @@ void GraphBuilder::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
 }
 
 bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
-  const int from = position_of(loop.from, drive);
-  const int to = position_of(loop.to, drive);
-  if (from < 0 || to < 0 || from == to) return false;
+  const std::optional<int> from = position_of(loop.from, drive);
+  const std::optional<int> to = position_of(loop.to, drive);
+  if (!from || !to || *from == *to) return false;
   if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
   const bool evaluated = loop.decision == LoopDecision::kRefuse;
-  drive.loops.push_back({loop, from, to, false, evaluated});
+  drive.loops.push_back({loop, *from, *to, false, evaluated});
   ++new_data.loops;
   return true;
 }

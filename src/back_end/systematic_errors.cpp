@@ -39,7 +39,7 @@ class NormalEquations {
       const Eigen::VectorXd weighted_residual =
           pose_graph::kernel_weight(c, at.residual) * at.residual;
       pose_gradient_.segment<6>(6 * c.first) += at.first.transpose() * weighted_residual;
-      if (c.second < 0) continue;
+      if (!c.is_binary()) continue;
       pose_gradient_.segment<6>(6 * c.second) += at.second.transpose() * weighted_residual;
     }
   }
@@ -50,7 +50,7 @@ class NormalEquations {
   void add(int constraint, const Displacements& displacements) {
     const pose_graph::Constraint& c = graph_.constraints[constraint];
     const pose_graph::LinearisedConstraint at = pose_graph::linearise(graph_, c);
-    const bool has_second = c.second >= 0;
+    const bool has_second = c.is_binary();
     const Eigen::MatrixXd effects =
         (has_second ? at.second : at.first).leftCols<3>() * displacements;
     gradient_ += effects.transpose() * at.residual;

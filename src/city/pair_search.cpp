@@ -100,28 +100,19 @@ class PairSearch {
   }
 
  private:
-  void add(const KeyFrame& key_frame, const SessionPart& part) {
-    back_end_.add_key_frame(key_frame);
-    add_measurements(part, key_frame.stamp, back_end_);
-    const auto position = part.gnss.find(key_frame.stamp);
-    if (position != part.gnss.end()) closer_.add_gnss(position->second);
-    const auto [begin, end] = part.loops.equal_range(key_frame.index);
-    for (auto loop = begin; loop != end; ++loop) back_end_.add_loop(loop->second);
-  }
-
   void add_searched_in(const KeyFrame& key_frame) {
-    add(key_frame, a_);
+    add_key_frame(a_, key_frame, back_end_, closer_);
     closer_.restore(key_frame);
-    const auto [begin, end] = a_.loops.equal_range(key_frame.index);
-    for (auto loop = begin; loop != end; ++loop) {
-      if (loop->second.decision != LoopDecision::kRefuse) closer_.add_loop(loop->second);
-    }
+    add_loops(a_, key_frame.index, back_end_, [&](const Loop& loop) {
+      if (loop.decision != LoopDecision::kRefuse) closer_.add_loop(loop);
+    });
   }
 
   void add_searched_for(const KeyFrame& key_frame) {
     const KeyFrameIndex own_index = key_frame.index - offsets_.index;
     if (own_index > chunk_.b_ranges.back().last) return;
-    add(key_frame, b_);
+    add_key_frame(b_, key_frame, back_end_, closer_);
+    add_loops(b_, key_frame.index, back_end_, [](const Loop& /*known*/) {});
     if (contains(chunk_.b_ranges, own_index)) {
       search(key_frame);
     } else {

@@ -2,11 +2,9 @@
 #include "lidar_mapping/common/free_space_image.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
-#include "lidar_mapping/common/fast_angle.hpp"
-#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/common/spherical_projection.hpp"
 
 namespace lidar_mapping {
 
@@ -16,7 +14,6 @@ namespace {
 // ring of 16 beams (2 degrees apart), and thinned clouds still have a return in most cells.
 constexpr int kColumns = 240;
 constexpr int kRows = 90;
-constexpr auto kHalfTurn = static_cast<float>(kPi);  // rad
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
 // Metres; a block has to be this much behind a point to contradict it. Chosen: more than the error
 // of a match, less than a room or a car is deep.
@@ -38,14 +35,8 @@ FreeSpaceImage::FreeSpaceImage(const std::vector<Eigen::Vector3f>& points,
 
 FreeSpaceImage::Cell FreeSpaceImage::cell_of(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f d = p - sensor_;
-  const float elevation = fast_angle(d.z(), d.head<2>().norm());
-  const float azimuth = fast_angle(d.y(), d.x());
-  Cell cell;
-  cell.row = std::clamp(static_cast<int>((elevation / kHalfTurn + 0.5F) * kRows), 0, kRows - 1);
-  cell.column =
-      std::clamp(static_cast<int>((azimuth / kHalfTurn + 1.0F) * 0.5F * kColumns), 0, kColumns - 1);
-  cell.range = d.norm();
-  return cell;
+  const SphericalPixel pixel = spherical_pixel(d, kRows, kColumns);
+  return {pixel.row, pixel.column, d.norm()};
 }
 
 bool FreeSpaceImage::has_return(const Cell& cell) const {

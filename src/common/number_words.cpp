@@ -18,7 +18,8 @@ namespace {
 constexpr double kMaxRotationError = 0.05;
 constexpr std::size_t kShown = 40;  // characters of a word in a message; chosen: half a line
 
-std::string quoted(const std::string& word) {
+/// A word in a message, without its end if it is long.
+std::string shown(const std::string& word) {
   return "'" + word.substr(0, kShown) + (word.size() > kShown ? "..." : "") + "'";
 }
 
@@ -28,14 +29,14 @@ double finite_number(const std::string& word) {
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
   if (word.empty() || end != word.c_str() + word.size() || !std::isfinite(value)) {
-    throw InputError(quoted(word) + " is no finite number");
+    throw InputError(shown(word) + " is no finite number");
   }
   return value;
 }
 
 double coordinate(const std::string& word) {
   const double value = finite_number(word);
-  if (std::abs(value) > kMaxCoordinate) throw InputError(quoted(word) + " m is no place on Earth");
+  if (std::abs(value) > kMaxCoordinate) throw InputError(shown(word) + " m is no place on Earth");
   return value;
 }
 
@@ -44,7 +45,7 @@ std::int64_t whole_number(const std::string& word, std::int64_t least, std::int6
   const char* end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data(), end, value);
   if (error != std::errc() || stop != end || value < least || value > most) {
-    throw InputError(quoted(word) + " is no whole number from " + std::to_string(least) + " to " +
+    throw InputError(shown(word) + " is no whole number from " + std::to_string(least) + " to " +
                      std::to_string(most));
   }
   return value;

@@ -41,6 +41,15 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+std::string quoted(const std::string& text, char mark) {
+  std::string result(1, mark);
+  for (const char letter : text) {
+    if (letter == mark) result += mark;
+    result += letter;
+  }
+  return result + mark;
+}
+
 std::string seconds_text(Stamp stamp) {
   const Stamp magnitude = std::abs(stamp);
   return formatted("%s%lld.%09lld", stamp < 0 ? "-" : "",

@@ -49,6 +49,8 @@ ErrorStatistics statistics_of(std::vector<double> values) {
   const auto count = static_cast<double>(values.size());
   result.rmse = std::sqrt(squares / count);
   result.mean = sum / count;
+  // Not median() of common/order_statistics.hpp, which takes the greater one of two in the middle:
+  // other programs that evaluate trajectories give their mean.
   const std::size_t middle = values.size() / 2;
   result.median =
       values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);

@@ -18,20 +18,11 @@ static_assert(std::is_trivially_copyable_v<VoxelSums>, "a file holds voxels as m
 /// Points that are inserted at a time, so that no table grows for many that share a voxel. Chosen.
 constexpr std::size_t kChunk = 256;
 
-int floor_div(int value, int divisor) {
-  const int quotient = value / divisor;
-  return value % divisor < 0 ? quotient - 1 : quotient;
-}
-
-std::uint64_t tile_key(int column, int row) {
-  return std::uint64_t{static_cast<std::uint32_t>(column)} << 32U | static_cast<std::uint32_t>(row);
-}
-
 /// Calls `act(key)` for each tile of a range.
 template <typename Range, typename Act>
 void for_each_tile(const Range& range, const Act& act) {
   for (int column = range.first_column; column <= range.last_column; ++column) {
-    for (int row = range.first_row; row <= range.last_row; ++row) act(tile_key(column, row));
+    for (int row = range.first_row; row <= range.last_row; ++row) act(square_key(column, row));
   }
 }
 
@@ -53,14 +44,15 @@ SurfaceTiles::Range SurfaceTiles::range_around(const Eigen::Vector3d& p_map, dou
   // The key comes back from the other side where those of voxels do.
   const VoxelIndex cell = voxel_index(voxel_key(voxel_index(p_map / options_.voxel_edge)));
   const int reach = static_cast<int>(std::ceil(radius / options_.voxel_edge)) + 1;
-  const auto tile = [&](int voxel) { return floor_div(voxel, options_.tile_edge); };
+  const auto tile = [&](int voxel) { return floor_divided(voxel, options_.tile_edge); };
   return {tile(cell.x() - reach), tile(cell.x() + reach), tile(cell.y() - reach),
           tile(cell.y() + reach)};
 }
 
 SurfaceTiles::TileKey SurfaceTiles::tile_of(VoxelKey key) const {
   const VoxelIndex cell = voxel_index(key);
-  return tile_key(floor_div(cell.x(), options_.tile_edge), floor_div(cell.y(), options_.tile_edge));
+  return square_key(floor_divided(cell.x(), options_.tile_edge),
+                    floor_divided(cell.y(), options_.tile_edge));
 }
 
 void SurfaceTiles::require(const Eigen::Vector3d& p_map, double radius) {

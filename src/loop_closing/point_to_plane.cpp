@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/common/robust_weights.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
 
 #include "correspondence_cache.hpp"
@@ -42,12 +43,6 @@ struct Equations {
   int pairs = 0;
 };
 
-/// Weight of a residual by the kernel of Geman and McClure with scale c.
-double robust_weight(double residual, double c) {
-  const double ratio = c * c / (c * c + residual * residual);
-  return ratio * ratio;
-}
-
 /// A point of the source with its partner in the target.
 struct Residual {
   double value = 0.0;   // m, along the normal
@@ -75,7 +70,9 @@ void for_each_residual(const std::vector<Eigen::Vector3f>& source, const Surface
         normal.dot(residual.p_target - target.tree().points()[pair->index].cast<double>());
     const Eigen::Vector3d normal_source = R.transpose() * normal;
     residual.jacobian << normal_source, p_source.cross(normal_source);
-    residual.weight = robust_weight(residual.value, 0.5 * level.pair_distance);
+    const double scale = 0.5 * level.pair_distance;
+    residual.weight =
+        geman_mcclure_weight_of_squares(residual.value * residual.value, scale * scale);
     use(residual);
   }
 }

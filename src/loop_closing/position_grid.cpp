@@ -18,12 +18,10 @@ constexpr double kCellSize = 20.0;
 
 std::int64_t cell_of(double coordinate) { return floor_to_int(coordinate / kCellSize); }
 
-std::int64_t cell_key(std::int64_t x, std::int64_t y) { return x * (std::int64_t{1} << 32) + y; }
-
 }  // namespace
 
 PositionGrid::Key PositionGrid::key_of(const Eigen::Vector2d& position) {
-  return cell_key(cell_of(position.x()), cell_of(position.y()));
+  return square_key(cell_of(position.x()), cell_of(position.y()));
 }
 
 void PositionGrid::set_position(std::size_t node, const Eigen::Vector2d& position) {
@@ -54,7 +52,7 @@ std::vector<std::size_t> PositionGrid::nodes_around(const Eigen::Vector2d& centr
   }
   for (auto x = cell_of(centre.x() - radius); x <= cell_of(centre.x() + radius); ++x) {
     for (auto y = cell_of(centre.y() - radius); y <= cell_of(centre.y() + radius); ++y) {
-      const auto cell = cells_.find(cell_key(x, y));
+      const auto cell = cells_.find(square_key(x, y));
       if (cell == cells_.end()) continue;
       result.insert(result.end(), cell->second.begin(), cell->second.end());
     }

@@ -23,7 +23,7 @@ class PositionGrid {
   std::vector<std::size_t> within(const Eigen::Vector2d& centre, double radius) const;
 
  private:
-  using Key = std::int64_t;
+  using Key = std::uint64_t;
   static Key key_of(const Eigen::Vector2d& position);
   std::vector<std::size_t> nodes_around(const Eigen::Vector2d& centre, double radius) const;
 

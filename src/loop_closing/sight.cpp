@@ -29,6 +29,8 @@ double range_of_sight(const BirdsEyeView& view) {
   std::vector<float> distances;
   for (const Eigen::Vector2f& cell : view.cells()) distances.push_back(cell.norm());
   if (distances.empty()) return 0.0;
+  // Not quantile() of common/order_statistics.hpp, whose rank is a fraction of all values: this one
+  // is a fraction of those before the last, and the limits above were measured with it.
   const auto rank =
       static_cast<std::ptrdiff_t>(kFractionInSight * static_cast<double>(distances.size() - 1));
   std::nth_element(distances.begin(), distances.begin() + rank, distances.end());

@@ -16,10 +16,6 @@ constexpr std::size_t kFirstSlots = 1024;  // 4 kB; chosen, it doubles when need
 /// the vehicle would be unused.
 std::size_t grown_capacity(std::size_t size) { return size + size / 8 + kFirstSlots / 2; }
 
-std::int64_t floor_divided(std::int64_t value, std::int64_t divisor) {
-  return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor);
-}
-
 }  // namespace
 
 TileGrid::TileGrid(double resolution, double tile_size)

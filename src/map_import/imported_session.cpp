@@ -26,18 +26,11 @@ Covariance6 covariance_over(double distance) {
                              kStddev_rad + kStddevPerMetre_rad * distance);
 }
 
-/// A text in YAML's single quotes.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char letter : text) result += letter == '\'' ? "''" : std::string(1, letter);
-  return result + "'";
-}
-
 std::string to_yaml(const MapDescription& description) {
   const ImportOptions& options = description.options;
   const Eigen::Vector3d& origin = description.origin;
-  std::string text = "map: " + quoted(options.map.string()) + "\n";
-  text += "trajectory: " + quoted(options.trajectory) + "\n";
+  std::string text = "map: " + quoted(options.map.string(), '\'') + "\n";
+  text += "trajectory: " + quoted(options.trajectory, '\'') + "\n";
   text += formatted("origin: [%.0f, %.0f, %.0f]\n", origin.x(), origin.y(), origin.z());
   text += formatted("spacing: %g\n", options.spacing);
   text += formatted("sensor_height: %g\n", options.sensor_height);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_input.hpp"
 
-#include <algorithm>
 #include <string>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/folder_entries.hpp"
 #include "lidar_mapping/common/geodetic.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/config/value.hpp"
@@ -40,12 +40,10 @@ std::vector<fs::path> listed_tiles(const fs::path& folder) {
   throw FileError((folder / kTileList).string() + " names no PCD file; is it that of a map?");
 }
 
-std::vector<fs::path> files_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_pcd(entry.path())) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
+std::vector<fs::path> pcd_files_in(const fs::path& folder) {
+  std::vector<fs::path> files = sorted_paths_in(folder, [](const fs::directory_entry& entry) {
+    return entry.is_regular_file() && is_pcd(entry.path());
+  });
   if (!files.empty()) return files;
   throw FileError("there is neither " + std::string(kTileList) + " nor a PCD file in " +
                   folder.string() + "; name a PCD file, or the folder of a map in tiles");
@@ -102,7 +100,7 @@ std::optional<GeodeticDatum> datum_in(const fs::path& file) {
 std::vector<fs::path> map_files(const fs::path& map) {
   if (!fs::exists(map)) throw FileError("there is no map " + map.string());
   if (fs::is_directory(map)) {
-    return fs::exists(map / kTileList) ? listed_tiles(map) : files_in(map);
+    return fs::exists(map / kTileList) ? listed_tiles(map) : pcd_files_in(map);
   }
   const std::string extension = lower_case(map.extension().string());
   if (extension != ".las" && extension != ".laz") return {map};

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lidar_mapping/common/fast_angle.hpp"
+#include "lidar_mapping/common/spherical_projection.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::map_import {
@@ -16,8 +16,7 @@ namespace {
 // beams sees, and finer than the cells of FreeSpaceImage (1.5 by 2 degrees).
 constexpr int kColumns = 720;
 constexpr int kRows = 360;
-constexpr auto kHalfTurn = static_cast<float>(kPi);  // rad
-constexpr float kPixel = kHalfTurn / kRows;          // rad, by the number of rows
+constexpr float kPixel = kPiFloat / kRows;  // rad, by the number of rows
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
 // m from the LiDAR. Chosen: nearer is what the map has kept of the vehicle that made it.
 constexpr float kNearest = 0.3F;
@@ -44,11 +43,8 @@ struct Ray {
 };
 
 int pixel_of(const Eigen::Vector3f& ray) {
-  const float elevation = fast_angle(ray.z(), ray.head<2>().norm());
-  const float azimuth = fast_angle(ray.y(), ray.x());
-  const int row = static_cast<int>((elevation / kHalfTurn + 0.5F) * kRows);
-  const int column = static_cast<int>((azimuth / kHalfTurn + 1.0F) * 0.5F * kColumns);
-  return std::clamp(row, 0, kRows - 1) * kColumns + std::clamp(column, 0, kColumns - 1);
+  const SphericalPixel pixel = spherical_pixel(ray, kRows, kColumns);
+  return pixel.row * kColumns + pixel.column;
 }
 
 std::vector<Ray> rays_to(const std::vector<PointTilePtr>& tiles, const Pose& T_map_base,
@@ -132,7 +128,7 @@ class HiddenPixels {
     const float radius = reach_ / (range * kPixel);
     const int rows = static_cast<int>(std::min(radius, static_cast<float>(kRows)));
     for (int i = std::max(-rows, -row); i <= std::min(rows, kRows - 1 - row); ++i) {
-      const float elevation = (static_cast<float>(row + i) + 0.5F) * kPixel - 0.5F * kHalfTurn;
+      const float elevation = (static_cast<float>(row + i) + 0.5F) * kPixel - 0.5F * kPiFloat;
       const float width = std::cos(elevation);  // of pixels, in that of their height
       const auto up = static_cast<float>(i);
       const float half = std::sqrt(std::max(0.0F, radius * radius - up * up)) / width;

@@ -36,7 +36,7 @@ struct Group {
   PointMoments points;
   Eigen::Matrix3d beams = Eigen::Matrix3d::Zero();
 };
-using Cells = std::unordered_map<VoxelKey, std::vector<Group>>;
+using Cells = std::unordered_map<VoxelKey, std::vector<Group>, VoxelKeyHash>;
 
 Group& group_in(std::vector<Group>& groups, int number) {
   if (groups.empty() || groups.back().number != number) {

@@ -34,7 +34,7 @@ struct EntropySum {
   double neighbours = 0.0;
 };
 
-using Cells = std::unordered_map<VoxelKey, std::vector<Eigen::Vector3d>>;
+using Cells = std::unordered_map<VoxelKey, std::vector<Eigen::Vector3d>, VoxelKeyHash>;
 
 /// Points of all key frames around a location, relative to its key frame.
 std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& poses,
@@ -57,6 +57,8 @@ std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& pose
 
 PointMoments neighbours_of(const Eigen::Vector3d& point, const Cells& cells) {
   PointMoments moments;
+  // Not by for_voxels_around(), whose order is another: x is the fastest here, and the sums and
+  // with them the digits of stored results depend on that.
   for (int n = 0; n < 27; ++n) {
     const Eigen::Vector3d step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
     const auto cell = cells.find(cell_key(point + kRadius * step, kRadius));

@@ -67,7 +67,7 @@ constexpr std::size_t kMinPlanes = 15;
 
 /// Planes of the cells: one for each side from which points were observed. Normals point to the
 /// LiDAR if its position is known.
-using Planes = std::unordered_map<VoxelKey, std::vector<Plane>>;
+using Planes = std::unordered_map<VoxelKey, std::vector<Plane>, VoxelKeyHash>;
 /// Points of a cell, separated by the side from which they were observed.
 struct CellSides {
   Eigen::Vector3d normal;
@@ -77,12 +77,12 @@ struct CellSides {
 
 /// Separates the points by side, because the upper and the lower side of a slab, or the two sides
 /// of a thin wall, are two surfaces.
-std::unordered_map<VoxelKey, CellSides> sides_of(const ObservedPoints& points, double cell,
-                                                 double min_points) {
-  std::unordered_map<VoxelKey, PointMoments> cells;
+std::unordered_map<VoxelKey, CellSides, VoxelKeyHash> sides_of(const ObservedPoints& points,
+                                                               double cell, double min_points) {
+  std::unordered_map<VoxelKey, PointMoments, VoxelKeyHash> cells;
   for (const ObservedPoint& point : points)
     cells[cell_key(point.position, cell)].add(point.position);
-  std::unordered_map<VoxelKey, CellSides> sides;
+  std::unordered_map<VoxelKey, CellSides, VoxelKeyHash> sides;
   for (const auto& [key, moments] : cells) {
     if (moments.count >= min_points) sides[key].normal = plane_of(moments).normal;
   }

@@ -13,11 +13,10 @@
 namespace lidar_mapping::moving_objects {
 namespace {
 
-constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
 // By geometry: the image is a full turn.
-constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
+constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kPiFloat);
 // Rows of 0.5 degrees. Chosen: a little more than the rings of 64 beams lie apart (0.4 degrees).
-constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
+constexpr float kRowsPerRadian = 2.0F * 180.0F / kPiFloat;
 // m, and m per m: by how much a range has to differ for a vote. Chosen: more than the errors of
 // poses and ranges (5 cm and 0.1 degrees), less than the depth of a car.
 constexpr float kMargin = 0.2F;
@@ -36,8 +35,8 @@ struct Direction {
 
 LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
   const float squared = x * x + y * y;
-  const float azimuth = fast_angle(y, x) + kHalfTurn;
-  const float elevation = fast_angle(z, __builtin_sqrtf(squared)) + kHalfTurn;
+  const float azimuth = fast_angle(y, x) + kPiFloat;
+  const float elevation = fast_angle(z, __builtin_sqrtf(squared)) + kPiFloat;
   const int turned = truncated(azimuth * kColumnsPerRadian);
   return {turned < kRangeImageColumns ? turned : turned - kRangeImageColumns,
           truncated(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};

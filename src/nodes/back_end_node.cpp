@@ -256,14 +256,12 @@ void BackEndNode::add_early_loops() {
 }
 
 void BackEndNode::add_gnss(const nav_msgs::Odometry& message) {
-  const auto T_base_antenna =
-      sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
-  if (!T_base_antenna) {
+  const auto position = gnss_position(message, config_.node.base_frame, sensor_frames_);
+  if (!position) {
     throw InputError("no transform from '" + message.child_frame_id + "' to '" +
                      config_.node.base_frame + "': the position of the antenna is not known");
   }
-  const GnssPosition position = from_message(message, T_base_antenna->translation);
-  add_or_queue([position](Run& run) { run.add_gnss(position); });
+  add_or_queue([position = *position](Run& run) { run.add_gnss(position); });
 }
 
 /// Publishes tf and odometry in the map at the stamp of the odometry, tf at most once for each

@@ -201,9 +201,8 @@ bool FrontEndNode::is_replayed(Stamp stamp) {
 
 void FrontEndNode::add_gnss(const nav_msgs::Odometry& message) {
   if (previous_) return;
-  const auto T_base_antenna =
-      sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
-  if (T_base_antenna) assembler_.add_gnss(from_message(message, T_base_antenna->translation));
+  const auto position = gnss_position(message, config_.node.base_frame, sensor_frames_);
+  if (position) assembler_.add_gnss(*position);
 }
 
 /// Uses the initial pose from rviz ("2D Pose Estimate") or from a user. Odometry cannot be moved

@@ -10,7 +10,6 @@
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/repeating_publisher.hpp"
 #include "lidar_mapping/ros/scratch_folder.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
@@ -154,12 +153,10 @@ void LoopClosingNode::update_poses(const KeyFramePosesMessage& message) {
 }
 
 void LoopClosingNode::add_gnss(const nav_msgs::Odometry& message) {
-  const auto T_base_antenna =
-      sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
-  if (!T_base_antenna) return;
-  const GnssPosition position = from_message(message, T_base_antenna->translation);
-  gnss_.add(position);
-  if (run_) run_->closer.add_gnss(position);
+  const auto position = gnss_position(message, config_.node.base_frame, sensor_frames_);
+  if (!position) return;
+  gnss_.add(*position);
+  if (run_) run_->closer.add_gnss(*position);
 }
 
 void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
@@ -20,10 +21,10 @@ constexpr const char* kHeader =
 
 constexpr std::size_t kColumns = 15;  // by definition: cells of kHeader
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+/// The cells of a line; an empty one at its end is missing.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells = csv_cells(line);
+  if (cells.back().empty()) cells.pop_back();
   return cells;
 }
 
@@ -53,7 +54,8 @@ DoubtfulSection section_of_cells(const std::vector<std::string>& cells) {
   section.path_length = coordinate(cells[7]);
   section.position = {coordinate(cells[9]), coordinate(cells[10]), coordinate(cells[11])};
   section.expected_error = parse_error(cells[12]);
-  section.lowest_probability = coordinate(cells[13]);
+  const double probability = coordinate(cells[13]);
+  if (probability >= 0.0) section.lowest_probability = probability;
   section.is_trusted = cells[14] == "yes";
   return section;
 }
@@ -68,8 +70,8 @@ void write_doubt(const DriveDoubt& doubt, const std::filesystem::path& path) {
          << to_seconds(s.end - doubt.begin) << ',' << s.begin << ',' << s.end << ',' << s.scans
          << ',' << s.path_begin << ',' << s.path_length << ',' << doubt.path_length << ','
          << s.position.x() << ',' << s.position.y() << ',' << s.position.z() << ','
-         << s.expected_error << ',' << s.lowest_probability << ',' << (s.is_trusted ? "yes" : "no")
-         << '\n';
+         << s.expected_error << ',' << s.lowest_probability.value_or(kUnknownProbability) << ','
+         << (s.is_trusted ? "yes" : "no") << '\n';
   }
   write_text_atomically(path, text.str());
 }
@@ -81,7 +83,7 @@ DriveDoubt read_doubt(const std::filesystem::path& path) {
   std::getline(file, line);
   for (int number = 2; std::getline(file, line); ++number) {
     try {
-      const std::vector<std::string> cells = split(line);
+      const std::vector<std::string> cells = cells_of(line);
       doubt.sections.push_back(section_of_cells(cells));
       doubt.begin = doubt.sections.back().begin - stamp_of_seconds(finite_number(cells[1]));
       doubt.path_length = coordinate(cells[8]);

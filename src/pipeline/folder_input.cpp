@@ -7,6 +7,8 @@
 #include <memory>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/folder_entries.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
@@ -21,18 +23,15 @@ namespace fs = std::filesystem;
 
 constexpr char kImuFrame[] = "imu_link";
 constexpr double kDefaultPeriod = 0.1;  // s, if the folder has no times; chosen as of most LiDARs
-constexpr Stamp kHalfTurn = from_seconds(0.05);   // from the stamp of a scan to its last point
-constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s, a smaller number in a name is a counter
-constexpr Stamp kLastPlausibleTime = 9'000'000'000;
+constexpr Stamp kHalfTurn = from_seconds(0.05);  // from the stamp of a scan to its last point
+// Chosen: a smaller number in a name is a counter.
+constexpr Stamp kFirstPlausibleTime = from_seconds(1e6);
 
-std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& endings) {
+std::vector<fs::path> scans_in(const fs::path& folder, const std::vector<std::string>& endings) {
   if (!fs::is_directory(folder)) throw FileError("no folder " + folder.string());
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (contains(endings, entry.path().extension())) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
+  return sorted_paths_in(folder, [&](const fs::directory_entry& entry) {
+    return contains(endings, entry.path().extension());
+  });
 }
 
 PointCloud read_scan(const fs::path& path) {
@@ -49,13 +48,13 @@ void check_count(const fs::path& file, std::size_t times, std::size_t scans) {
 
 /// Time in a name like 1317617735.250, to the nanosecond; 0 if the name is not a time.
 Stamp stamp_in(const std::string& name) {
-  const std::size_t point = std::min(name.find('.'), name.size());
-  const Stamp seconds = std::strtoll(name.substr(0, point).c_str(), nullptr, 10);
-  const bool is_time = seconds >= kFirstPlausibleTime && seconds < kLastPlausibleTime;
-  if (!is_time || point == name.size()) return 0;
-  std::string fraction = name.substr(point + 1);
-  fraction.resize(9, '0');
-  return seconds * 1'000'000'000 + std::strtoll(fraction.c_str(), nullptr, 10);
+  if (name.find('.') == std::string::npos) return 0;
+  try {
+    const Stamp stamp = stamp_of_seconds(name);
+    return stamp >= kFirstPlausibleTime ? stamp : 0;
+  } catch (const InputError&) {
+    return 0;
+  }
 }
 
 /// Stamps from times.txt, from the names, or at the default rate.
@@ -120,7 +119,7 @@ void FolderInput::add_pcd(Stamp stamp, const std::string& path, const FolderOpti
 
 void FolderInput::read_raw(const std::string& path) {
   const fs::path velodyne = fs::path(path) / "velodyne_points";
-  const std::vector<fs::path> scans = files_in(velodyne / "data", {".bin", ".txt"});
+  const std::vector<fs::path> scans = scans_in(velodyne / "data", {".bin", ".txt"});
   if (scans.empty()) throw FileError("no *.bin or *.txt in " + (velodyne / "data").string());
   const std::vector<Stamp> stamps = read_kitti_dates(velodyne / "timestamps.txt");
   // In some recordings scans are missing; the names of the files are the indices of their dates.
@@ -157,7 +156,7 @@ void FolderInput::read_odometry(const std::string& path, const FolderOptions& op
 }
 
 void FolderInput::read_scans(const std::string& path, const FolderOptions& options) {
-  const std::vector<fs::path> scans = files_in(path, {".pcd", ".bin"});
+  const std::vector<fs::path> scans = scans_in(path, {".pcd", ".bin"});
   if (scans.empty()) {
     throw FileError("no scans in " + path +
                     ": neither velodyne_points/ nor velodyne/ nor *.pcd nor *.bin");

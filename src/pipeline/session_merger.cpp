@@ -42,7 +42,7 @@ class SessionMerger::Impl {
   std::vector<GnssPosition> gnss_of(const Session& session_part, MergedSession& merged);
   void add_key_frame(const KeyFrame& key_frame, const SessionPart& part, MergedSession& merged);
   void add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets, SessionPart& part);
-  void add_own_loop(const Loop& loop);
+  void use_own_loop(const Loop& loop);
   void search(const KeyFrame& key_frame, MergedSession& merged);
   void solve(bool thorough);
 
@@ -109,20 +109,16 @@ void SessionMerger::Impl::add(const Session& session_part, const std::vector<Loo
 
 void SessionMerger::Impl::add_key_frame(const KeyFrame& key_frame, const SessionPart& part,
                                         MergedSession& merged) {
-  back_end_.add_key_frame(key_frame);
+  pipeline::add_key_frame(part, key_frame, back_end_, closer_);
   next_.index = key_frame.index + 1;
   next_.segment = key_frame.segment + 1;
-  add_measurements(part, key_frame.stamp, back_end_);
-  const auto position = part.gnss.find(key_frame.stamp);
-  if (position != part.gnss.end()) closer_.add_gnss(position->second);
   // Loop closing has already searched the first drive.
   if (parts_.empty()) {
     closer_.restore(key_frame);
   } else {
     search(key_frame, merged);
   }
-  const auto [begin, end] = part.loops.equal_range(key_frame.index);
-  for (auto loop = begin; loop != end; ++loop) add_own_loop(loop->second);
+  add_loops(part, key_frame.index, back_end_, [&](const Loop& loop) { use_own_loop(loop); });
   if (!parts_.empty() && back_end_.optimization_due()) solve(false);
 }
 
@@ -137,8 +133,7 @@ void SessionMerger::Impl::add_ties(const std::vector<Loop>& ties, const PartOffs
   }
 }
 
-void SessionMerger::Impl::add_own_loop(const Loop& loop) {
-  if (!back_end_.add_loop(loop)) return;
+void SessionMerger::Impl::use_own_loop(const Loop& loop) {
   if (loop.decision != LoopDecision::kAuto) {
     session().set_loop_decision(loop.from, loop.to, loop.decision);
   }

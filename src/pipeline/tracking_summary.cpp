@@ -51,9 +51,9 @@ void TrackingSummary::add(const TrackedStep& step) {
     DoubtfulSection& section = section_for(*step.doubt, step);
     section.end = step.stamp;
     ++section.scans;
-    if (step.probability >= 0.0 &&
-        (section.lowest_probability < 0.0 || step.probability < section.lowest_probability)) {
-      section.lowest_probability = step.probability;
+    if (step.probability) {
+      section.lowest_probability =
+          std::min(section.lowest_probability.value_or(*step.probability), *step.probability);
     }
     section.path_length = path_length_ - section.path_begin;
     const auto index = static_cast<std::size_t>(&section - sections_.data());

@@ -34,7 +34,7 @@ class CondensedProblem {
   virtual int node_count() const = 0;
   /// Factors are numbered from 0.
   virtual int factor_count() const = 0;
-  /// The nodes of a factor; the second is -1 if there is none.
+  /// The nodes of a factor; the second is kNoNode if there is none.
   virtual std::pair<int, int> nodes_of(int factor) const = 0;
   /// True for a node that keeps its state.
   virtual bool is_fixed(int node) const = 0;

@@ -44,7 +44,7 @@ class FactorGraphProblem : public CondensedProblem<size> {
     const Term& term = terms_[factor];
     const Constraint& constraint = *term.constraint;
     const int rows = constraint.degrees_of_freedom();
-    const bool has_second = constraint.second >= 0;
+    const bool has_second = constraint.is_binary();
     std::array<Jacobian, 2> jacobians = {Jacobian(rows, kBlock), Jacobian(rows, kBlock)};
     std::array<double, kMaxResidualRows> values{};
     const std::array<const double*, 2> states = {

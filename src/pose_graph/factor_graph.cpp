@@ -73,7 +73,7 @@ class GraphProblem {
 
   void add(const Constraint& constraint, ceres::LossFunction* loss) {
     double* first = block(constraint.first);
-    if (constraint.second < 0) {
+    if (!constraint.is_binary()) {
       problem_.AddResidualBlock(constraint.residual.get(), loss, first);
       return;
     }
@@ -126,7 +126,7 @@ std::string validation_error(const Constraint& constraint, const FactorGraph& gr
     return "has a residual of " + std::to_string(rows) + " rows; 1 to " +
            std::to_string(kMaxResidualRows) + " are solved, so split it into several constraints";
   }
-  const std::vector<std::int32_t> expected(constraint.second < 0 ? 1 : 2,
+  const std::vector<std::int32_t> expected(constraint.is_binary() ? 2 : 1,
                                            graph.planar ? kPlanarBlockSize : kPoseBlockSize);
   if (constraint.residual->parameter_block_sizes() != expected) {
     return "has a residual with other blocks than " + std::to_string(expected.size()) + " of " +
@@ -169,7 +169,7 @@ void FactorGraph::set_pose(int node, const Pose& pose) {
 
 double chi2(const FactorGraph& graph, const Constraint& constraint) {
   const std::size_t second =
-      static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
+      static_cast<std::size_t>(constraint.is_binary() ? constraint.second : constraint.first);
   const std::array<const double*, 2> blocks = {graph.states[constraint.first].data(),
                                                graph.states[second].data()};
   std::array<double, kMaxResidualRows> residual{};

@@ -54,8 +54,8 @@ class NormalEquations {
       const Constraint& constraint = graph.constraints[i];
       Term term{&constraint, loss_of(constraint), -1};
       mark_constrained(constraint.first);
-      if (constraint.second >= 0) mark_constrained(constraint.second);
-      if (constraint.second >= 0 && moves(constraint.first) && moves(constraint.second)) {
+      if (constraint.is_binary()) mark_constrained(constraint.second);
+      if (constraint.is_binary() && moves(constraint.first) && moves(constraint.second)) {
         term.pair = static_cast<int>(pairs.size());
         pairs.emplace_back(constraint.first, constraint.second);
       }
@@ -117,7 +117,7 @@ class NormalEquations {
   void add_rows(const Term& term) {
     using Jacobian = Eigen::Matrix<double, rows, kBlock, Eigen::RowMajor>;
     const Constraint& constraint = *term.constraint;
-    const bool has_second = constraint.second >= 0;
+    const bool has_second = constraint.is_binary();
     std::array<Jacobian, 2> jacobians;
     Eigen::Matrix<double, rows, 1> residual;
     const std::array<const double*, 2> blocks = {

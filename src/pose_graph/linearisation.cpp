@@ -10,7 +10,7 @@ namespace lidar_mapping::pose_graph {
 LinearisedConstraint linearise(const FactorGraph& graph, const Constraint& constraint) {
   using Rows =
       Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMaxResidualRows>;
-  const bool pair = constraint.second >= 0;
+  const bool pair = constraint.is_binary();
   const auto block = [&](int node) { return graph.states[node].data(); };
   const std::array<const double*, 2> blocks = {block(constraint.first),
                                                block(pair ? constraint.second : constraint.first)};
@@ -38,7 +38,7 @@ std::unique_ptr<BlockCholesky<6>> information_matrix(
   std::vector<std::pair<int, int>> pairs;
   for (std::size_t i = 0; i < selected.size(); ++i) {
     const Constraint& constraint = graph.constraints[i];
-    if (selected[i] && constraint.second >= 0) {
+    if (selected[i] && constraint.is_binary()) {
       pairs.emplace_back(constraint.first, constraint.second);
     }
   }
@@ -52,7 +52,7 @@ std::unique_ptr<BlockCholesky<6>> information_matrix(
     const auto [residual, first, second] = linearise(graph, constraint);
     const double weight = constraint.doubtful ? kernel_weight(constraint, residual) : 1.0;
     system->add_diagonal(constraint.first, weight * first.transpose() * first);
-    if (constraint.second < 0) continue;
+    if (!constraint.is_binary()) continue;
     system->add_diagonal(constraint.second, weight * second.transpose() * second);
     system->add_pair(pair++, weight * first.transpose() * second);
   }

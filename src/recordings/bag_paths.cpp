@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag_paths.hpp"
 
-#include <algorithm>
 #include <filesystem>
+#include <system_error>
+
+#include "lidar_mapping/common/folder_entries.hpp"
 
 namespace lidar_mapping::recordings {
 
@@ -10,23 +12,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
-  std::vector<std::string> files;
-  std::error_code unreadable;  // reported when the folder is opened later
-  for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
-    const bool fits = entry.path().extension() == extension;
-    if (entry.is_regular_file() && fits) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 /// The parts of a recording of ROS 2 are numbered: drive_0.db3, drive_1.db3 ... Those that are not
 /// read are named, so that opening them says why.
 std::vector<std::string> bags_in(const fs::path& folder) {
+  std::error_code unreadable;  // reported when the folder is opened later
+  fs::directory_iterator(folder, unreadable);
+  if (unreadable) return {};
   for (const char* extension : {".bag", ".db3", ".mcap", ".zstd"}) {
-    std::vector<std::string> files = files_in(folder, extension);
-    if (!files.empty()) return files;
+    const auto files = sorted_paths_in(folder, [&](const fs::directory_entry& entry) {
+      return entry.is_regular_file() && entry.path().extension() == extension;
+    });
+    if (!files.empty()) return {files.begin(), files.end()};
   }
   return {};
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
@@ -35,24 +36,8 @@ constexpr const char* kColumns[] = {"stamp",    "state", "x",       "y",     "z"
 /// Cells of a row by the names of their columns.
 using Row = std::map<std::string, std::string>;
 
-/// A comma between quotes does not end a cell; the quotes do not belong to it.
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  bool is_quoted = false;
-  for (const char letter : line) {
-    if (letter == '"') {
-      is_quoted = !is_quoted;
-    } else if (letter == ',' && !is_quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += letter;
-    }
-  }
-  return cells;
-}
-
 Row row_of(const std::vector<std::string>& names, const std::string& line) {
-  const std::vector<std::string> cells = cells_of(line);
+  const std::vector<std::string> cells = csv_cells(line);
   if (cells.size() != names.size()) {
     throw InputError(std::to_string(cells.size()) + " cells instead of " +
                      std::to_string(names.size()));
@@ -106,7 +91,7 @@ void check_order(const ExaminedScan& before, const ExaminedScan& scan) {
 }
 
 std::vector<std::string> names_of_columns(const fs::path& path, const std::string& head) {
-  std::vector<std::string> names = cells_of(head);
+  std::vector<std::string> names = csv_cells(head);
   for (const char* column : kColumns) {
     if (contains(names, column)) continue;
     throw InputError(path.string() + " has no column '" + column + "'" + kRemedy);

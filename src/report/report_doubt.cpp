@@ -37,7 +37,7 @@ json::Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back
          {"path_length_m", section.path_length},
          {"error_m", std::isfinite(section.expected_error) ? json::Json(section.expected_error)
                                                            : json::Json()},
-         {"lowest_probability", section.lowest_probability},
+         {"lowest_probability", section.lowest_probability.value_or(pipeline::kUnknownProbability)},
          {"trusted", section.is_trusted},
          {"rows", {first, last}}});
   }

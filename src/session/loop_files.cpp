@@ -11,6 +11,7 @@
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::session {
 
@@ -23,12 +24,6 @@ constexpr const char* kListHead =
     "#   refuse FROM TO   the loop is never used\n"
     "#   add    FROM TO [X Y Z [ROLL PITCH YAW]]   the two are matched from this initial guess\n"
     "#          (m, degrees), and the new loop is always used\n";
-
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + '"';
-}
 
 using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
 
@@ -104,7 +99,7 @@ void write_loops_csv(const Session& session, const std::filesystem::path& path) 
          << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << ','
          << loop.fitness << ',' << loop.overlap << ',' << to_string(loop.source) << ','
          << to_string(loop.decision) << ',' << to_string(verdict.verdict) << ','
-         << quoted(verdict.reason) << '\n';
+         << quoted(verdict.reason, '"') << '\n';
   }
   write_text_atomically(path, text.str());
 }
@@ -118,7 +113,7 @@ void write_candidates_csv(const Session& session, const std::filesystem::path& p
     text << v.from << ',' << v.to << ',' << v.stamp << ',' << to_string(v.source) << ','
          << to_string(v.verdict) << ',' << v.distance << ',' << v.fitness << ',' << v.overlap << ','
          << v.free_space_violation << ',' << v.horizontal_eigenvalue << ',' << v.innovation << ','
-         << quoted(v.reason) << '\n';
+         << quoted(v.reason, '"') << '\n';
   }
   write_text_atomically(path, text.str());
 }

@@ -11,6 +11,9 @@ namespace lidar_mapping::session {
 
 namespace {
 
+/// Of a probability; negative by the format, see session_schema.cpp.
+constexpr double kUnknown = -1.0;
+
 /// Writes the fields of a value one after the other as the cells of a row.
 class Writer {
  public:
@@ -34,6 +37,7 @@ class Writer {
       cells.insert(cells.end(), 4, nullptr);
     }
   }
+  void process(std::optional<double> value) { cells.emplace_back(value.value_or(kUnknown)); }
   void process(const std::vector<Eigen::Vector3d>& values) {
     Blob blob;
     for (const Eigen::Vector3d& value : values) {
@@ -74,6 +78,10 @@ class Reader {
     value.reset();
     if (row_.next_is_null()) return row_.skip(4);
     value = row_.read_quaternion();
+  }
+  void process(std::optional<double>& value) {
+    const double stored = row_.read_real();
+    value = stored < 0.0 ? std::nullopt : std::optional(stored);
   }
   void process(std::vector<Eigen::Vector3d>& values) {
     const Blob blob = row_.read_blob();

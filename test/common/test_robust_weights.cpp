@@ -27,5 +27,13 @@ TEST(RobustWeights, OfGemanAndMcClureAreAQuarterAtTheScale) {
   EXPECT_LT(geman_mcclure_weight(20.0, 2.0), 1e-4);
 }
 
+TEST(RobustWeights, OfGemanAndMcClureAreTheSameFromSquares) {
+  EXPECT_EQ(geman_mcclure_weight_of_squares(0.0, 0.01), 1.0);
+  for (const double residual : {0.01, 0.3, 2.0, 50.0}) {
+    EXPECT_DOUBLE_EQ(geman_mcclure_weight_of_squares(residual * residual, 4.0),
+                     geman_mcclure_weight(residual, 2.0));
+  }
+}
+
 }  // namespace
 }  // namespace lidar_mapping

@@ -34,6 +34,12 @@ TEST(Text, IsOneOfSeveral) {
 
 TEST(Text, LowerCase) { EXPECT_EQ(lower_case("GemanMcClure 2_A"), "gemanmcclure 2_a"); }
 
+TEST(Text, IsQuotedWithItsOwnMarksDoubled) {
+  EXPECT_EQ(quoted("", '"'), "\"\"");
+  EXPECT_EQ(quoted("far, \"too\" far", '"'), "\"far, \"\"too\"\" far\"");
+  EXPECT_EQ(quoted("it's \"a\"", '\''), "'it''s \"a\"'");
+}
+
 TEST(Text, SecondsHaveAllDigitsOfTheStamp) {
   EXPECT_EQ(seconds_text(1'700'000'000'000'000'005), "1700000000.000000005");
   EXPECT_EQ(seconds_text(0), "0.000000000");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -18,6 +19,18 @@ TEST(FloorToInt, RoundsDownOnBothSidesOfZero) {
     const auto single = static_cast<float>(value);
     EXPECT_EQ(floor_to_int(single), static_cast<int>(std::floor(single))) << value;
   }
+}
+
+TEST(FloorDivided, RoundsDownOnBothSidesOfZero) {
+  for (const int divisor : {1, 3, 4}) {
+    for (int value = -9; value <= 9; ++value) {
+      const double quotient = static_cast<double>(value) / divisor;
+      EXPECT_EQ(floor_divided(value, divisor), static_cast<int>(std::floor(quotient))) << value;
+    }
+  }
+  const std::int64_t wide = std::int64_t{1} << 40;
+  EXPECT_EQ(floor_divided(-wide - 1, wide), -2);
+  EXPECT_EQ(floor_divided(wide, wide), 1);
 }
 
 TEST(VoxelIndex, IsTheSameInBothPrecisions) {
@@ -53,6 +66,16 @@ TEST(VoxelKey, SortsAsIndicesDo) {
     EXPECT_EQ(voxel_key(indices[i - 1]) < voxel_key(indices[i]),
               before(indices[i - 1], indices[i]));
   }
+}
+
+TEST(SquareKey, IsItsOwnForEachSquareAroundZero) {
+  std::set<std::uint64_t> keys;
+  for (int column = -3; column <= 3; ++column) {
+    for (int row = -3; row <= 3; ++row) keys.insert(square_key(column, row));
+  }
+  EXPECT_EQ(keys.size(), 49U);
+  EXPECT_EQ(square_key(1, 0), std::uint64_t{1} << 32U);
+  EXPECT_EQ(square_key(0, -1), 0xFFFFFFFFU);
 }
 
 TEST(VoxelKey, OfNeighboursComeInTheirOrderAlsoAroundZero) {

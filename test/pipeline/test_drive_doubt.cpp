@@ -188,7 +188,8 @@ TEST(DriveDoubt, DoesNotTrustDegradedSteps) {
   const DoubtfulSection& section = doubt.sections.front();
   EXPECT_EQ(section.doubt, Doubt::kDegraded);
   EXPECT_FALSE(section.is_trusted);
-  EXPECT_NEAR(section.lowest_probability, 0.2, 1e-9);
+  ASSERT_TRUE(section.lowest_probability.has_value());
+  EXPECT_NEAR(*section.lowest_probability, 0.2, 1e-9);
   // Twenty steps of 0.3 m in each of three axes.
   EXPECT_GT(section.expected_error, 2.2);
   EXPECT_LT(section.expected_error, 4.0);

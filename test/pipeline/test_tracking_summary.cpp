@@ -13,7 +13,8 @@ class Drive {
  public:
   TrackingSummary summary;
 
-  void add(std::optional<Doubt> doubt, double unobserved_stddev = 0.0, double probability = -1.0) {
+  void add(std::optional<Doubt> doubt, double unobserved_stddev = 0.0,
+           std::optional<double> probability = std::nullopt) {
     const Eigen::Vector3d position(static_cast<double>(scans_), 0.0, 0.0);
     summary.add({stamp(scans_++), doubt, position, unobserved_stddev, probability});
   }
@@ -112,10 +113,11 @@ TEST(TrackingSummary, GoesOnAfterARestartOfTheFrontEnd) {
 TEST(TrackingSummary, RemembersTheLowestProbability) {
   Drive drive;
   drive.add(Doubt::kDoubtful);
-  EXPECT_LT(drive.section(0).lowest_probability, 0.0) << "none is known";
-  for (const double probability : {0.6, 0.2, 0.4, -1.0}) {
+  EXPECT_FALSE(drive.section(0).lowest_probability.has_value()) << "none is known";
+  for (const double probability : {0.6, 0.2, 0.4}) {
     drive.add(Doubt::kDoubtful, 0.0, probability);
   }
+  drive.add(Doubt::kDoubtful);
   EXPECT_EQ(drive.section(0).lowest_probability, 0.2);
 }
 

@@ -171,13 +171,13 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndUpgraded) {
     ASSERT_EQ(old.scans().size(), 1U);
     EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.0);
     EXPECT_EQ(old.scans()[0].elevation_shift, 0.0);
-    EXPECT_EQ(old.scans()[0].probability, -1.0);
+    EXPECT_FALSE(old.scans()[0].probability.has_value());
   }
   Session session = Session::open(folder.path(), Session::Access::kWrite);
   session.set_loop_decision(0, 5, LoopDecision::kRefuse);
   EXPECT_EQ(session.loops()[0].decision, LoopDecision::kRefuse);
   session.add_scan({6, "degenerate", 0.0, 0.0, 0.0, 0, 0.5, 0.01, 0.9});
-  EXPECT_EQ(session.scans().front().probability, -1.0);
+  EXPECT_FALSE(session.scans().front().probability.has_value());
   EXPECT_EQ(session.scans().back().probability, 0.9);
   EXPECT_EQ(session.scans().back().unobserved_stddev, 0.5);
   EXPECT_EQ(session.scans().back().elevation_shift, 0.01);

@@ -9,7 +9,6 @@ namespace lidar_mapping {
 /// that loops with it are vectorised, and always inlined, because files that are compiled for other
 /// instruction sets use it too. x and y have the same unit; 0 if both are 0.
 [[gnu::always_inline]] inline float fast_angle(float y, float x) {
-  constexpr auto kHalfTurn = static_cast<float>(kPi);  // rad
   constexpr float kMinLength = 1e-37F;  // unit of x; chosen above zero, because it is a divisor
   const float along = __builtin_fabsf(x);
   const float across = __builtin_fabsf(y);
@@ -21,9 +20,9 @@ namespace lidar_mapping {
       a * (0.99997726F +
            s * (-0.33262347F +
                 s * (0.19354346F + s * (-0.11643287F + s * (0.05265332F - s * 0.01172120F)))));
-  const float high = 0.5F * kHalfTurn - low;
+  const float high = 0.5F * kPiFloat - low;
   const float half = across > along ? high : low;
-  const float other = kHalfTurn - half;
+  const float other = kPiFloat - half;
   const float angle = x < 0.0F ? other : half;
   return y < 0.0F ? -angle : angle;
 }

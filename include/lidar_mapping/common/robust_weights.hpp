@@ -20,4 +20,10 @@ inline double geman_mcclure_weight(double residual, double scale) {
   return root * root;
 }
 
+/// The same weight from the squares of residual and scale; the last bits differ.
+inline double geman_mcclure_weight_of_squares(double squared_residual, double squared_scale) {
+  const double root = squared_scale / (squared_scale + squared_residual);
+  return root * root;
+}
+
 }  // namespace lidar_mapping

@@ -20,6 +20,9 @@ bool contains(const std::vector<std::string>& texts, const std::string& text);
 /// The text with the letters A to Z in lower case.
 std::string lower_case(std::string text);
 
+/// The text between two `mark`s, with each of those in it doubled, as CSV (") and YAML (') have it.
+std::string quoted(const std::string& text, char mark);
+
 /// The seconds of a stamp with all nine decimals, so that it comes back from a file exactly.
 std::string seconds_text(Stamp stamp);
 

@@ -5,6 +5,8 @@ namespace lidar_mapping {
 
 /// Half a turn, rad, by definition.
 constexpr double kPi = 3.14159265358979323846;
+/// The same in single precision, rad.
+constexpr auto kPiFloat = static_cast<float>(kPi);
 /// Factor from degrees to radians, by definition. Angles are radians everywhere but in files,
 /// parameters and reports for people.
 constexpr double kRadPerDeg = kPi / 180.0;

@@ -20,6 +20,14 @@ inline std::int64_t floor_to_int(double value) {
   return whole - static_cast<std::int64_t>(value < static_cast<double>(whole));
 }
 
+/// The greatest whole number that is not above the quotient of two whole numbers, of which the
+/// divisor is positive. The operator / rounds towards zero instead.
+template <typename Integer>
+Integer floor_divided(Integer value, Integer divisor) {
+  const Integer quotient = value / divisor;
+  return value % divisor < 0 ? quotient - 1 : quotient;
+}
+
 /// Number of the voxel that a point lies in, along each axis.
 using VoxelIndex = Eigen::Vector3i;
 
@@ -64,6 +72,12 @@ inline VoxelIndex voxel_index(VoxelKey key) {
     return static_cast<int>(bits & kVoxelKeyMask) - kVoxelKeyHalf;
   };
   return {number(key >> (2 * kVoxelKeyBits)), number(key >> kVoxelKeyBits), number(key)};
+}
+
+/// The key of a square in a horizontal grid: 32 bits for each number. Squares whose numbers are
+/// multiples of 2^32 apart share their key.
+inline std::uint64_t square_key(std::int64_t column, std::int64_t row) {
+  return std::uint64_t{static_cast<std::uint32_t>(column)} << 32U | static_cast<std::uint32_t>(row);
 }
 
 /// Calls `act(key)` for the voxel and its 26 neighbours, in the order of their keys.

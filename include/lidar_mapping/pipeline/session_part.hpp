@@ -76,4 +76,25 @@ void add_measurements(const SessionPart& part, Stamp stamp, BackEnd& back_end) {
   }
 }
 
+/// Adds a key frame of a part to a back end, with what was measured at it, and its position to a
+/// LoopCloser, which is given the key frame itself afterwards: by restore() or process().
+template <typename BackEnd, typename LoopCloser>
+void add_key_frame(const SessionPart& part, const KeyFrame& key_frame, BackEnd& back_end,
+                   LoopCloser& closer) {
+  back_end.add_key_frame(key_frame);
+  add_measurements(part, key_frame.stamp, back_end);
+  const auto position = part.gnss.find(key_frame.stamp);
+  if (position != part.gnss.end()) closer.add_gnss(position->second);
+}
+
+/// Adds the loops of a part whose newer key frame is this one to a back end, and calls `use(loop)`
+/// for each that fits its graph.
+template <typename BackEnd, typename Use>
+void add_loops(const SessionPart& part, KeyFrameIndex newer, BackEnd& back_end, const Use& use) {
+  const auto [begin, end] = part.loops.equal_range(newer);
+  for (auto loop = begin; loop != end; ++loop) {
+    if (back_end.add_loop(loop->second)) use(loop->second);
+  }
+}
+
 }  // namespace lidar_mapping::pipeline

@@ -32,8 +32,8 @@ struct TrackedStep {
   std::optional<Doubt> doubt;  ///< None if the scan was tracked without doubt.
   /// Position by odometry, m.
   Eigen::Vector3d p_odom_base = Eigen::Vector3d::Zero();
-  double unobserved_stddev = 0.0;  ///< FrontEndStatus::unobserved_stddev, m.
-  double probability = -1.0;       ///< Probability that the step is right; negative if unknown.
+  double unobserved_stddev = 0.0;     ///< FrontEndStatus::unobserved_stddev, m.
+  std::optional<double> probability;  ///< Probability that the step is right, if known.
   /// Whether the scan before is of another drive, from which no path leads here.
   bool begins_drive = false;
 };
@@ -53,10 +53,13 @@ struct DoubtfulSection {
   /// directions that nothing observed; after drive_doubt() it is that of its end given all
   /// constraints of the graph. Infinite if unknown.
   double expected_error = 0.0;
-  /// Smallest probability that a step is right; negative if no scan has one.
-  double lowest_probability = -1.0;
+  /// Smallest probability that a step is right, if any scan has one.
+  std::optional<double> lowest_probability;
   bool is_trusted = true;  ///< Whether the map can be relied on here.
 };
+
+/// By the format of doubt.csv and of the report: stands for a lowest_probability that is not known.
+constexpr double kUnknownProbability = -1.0;
 
 /// Groups doubtful scans into sections. Scans with the same reason that are at most a second apart
 /// belong to one section, because a person looks at sections and not at each scan.

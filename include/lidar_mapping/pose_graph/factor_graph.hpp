@@ -16,12 +16,15 @@ namespace lidar_mapping::pose_graph {
 /// Largest number of rows of a residual: by geometry, the degrees of freedom of a pose.
 constexpr int kMaxResidualRows = 6;
 
+/// Stands for a node that is not there. By definition: nodes are numbered from 0.
+constexpr int kNoNode = -1;
+
 /// A constraint (factor) of the graph: a whitened residual of 1 to kMaxResidualRows rows on one or
 /// two nodes.
 struct Constraint {
   CostPtr residual;                           ///< residual with its derivatives, residuals.hpp
   int first = 0;                              ///< number of the first node
-  int second = -1;                            ///< number of the second node; -1: none
+  int second = kNoNode;                       ///< number of the second node, or kNoNode
   bool switchable = false;                    ///< may be refused if the others contradict it
   RobustKernel kernel = RobustKernel::kNone;  ///< kernel while it is used
   double kernel_size = 1.0;                   ///< scale of the kernel, standard deviations
@@ -29,6 +32,8 @@ struct Constraint {
   /// switchable constraints are evaluated.
   bool doubtful = false;
 
+  /// Whether it is on two nodes.
+  bool is_binary() const { return second >= 0; }
   /// Number of rows of the residual.
   int degrees_of_freedom() const { return residual->num_residuals(); }
 };

@@ -5,11 +5,13 @@
 #include <optional>
 #include <string>
 
+#include <nav_msgs/Odometry.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/ros/warning_limiter.hpp"
 
@@ -38,6 +40,11 @@ class SensorFrames {
   WarningLimiter limiter_{
       ros::WallDuration(1.0)};  // /tf_static may arrive shortly after the first scan
 };
+
+/// The position of synced_gnss, with the lever arm that tf has for its antenna (child_frame_id);
+/// empty while tf does not have it.
+std::optional<GnssPosition> gnss_position(const nav_msgs::Odometry& message,
+                                          const std::string& base_frame, SensorFrames& frames);
 
 /// Broadcasts T_parent_child at a stamp of the data.
 class TransformPublisher {

@@ -35,9 +35,8 @@ struct ScanRecord {
   /// Error of the sensor's elevation angles as estimated at this scan, rad
   /// (FrontEndStatus::elevation_shift).
   double elevation_shift = 0.0;
-  /// Probability that the step to this scan is correct (FrontEndStatus::probability); negative: not
-  /// known.
-  double probability = -1.0;
+  /// Probability that the step to this scan is correct (FrontEndStatus::probability), if known.
+  std::optional<double> probability;
 };
 
 /// The result of one optimisation in figures, as in OptimizationReport.

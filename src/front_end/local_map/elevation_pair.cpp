@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/common/robust_weights.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
 
 #include "matching/degeneracy.hpp"
@@ -65,10 +66,10 @@ NormalEquations normal_equations(const SampledPoints& points, registration::Gaus
     const Eigen::Vector3d n_b = R.transpose() * n_a;
     const double slope = n_b.dot(elevation_derivative(p_b)) - n_a.dot(elevation_derivative(p_a));
     const double r = n_a.dot(p_a) - static_cast<double>(plane.offset) + slope * angle;
-    const double root = iteration.kernel_squared / (iteration.kernel_squared + r * r);
+    const double weight = geman_mcclure_weight_of_squares(r * r, iteration.kernel_squared);
     Vector7d J;
     J << n_b, p_b.cross(n_b), slope;
-    const Vector7d weighted = root * root * J;
+    const Vector7d weighted = weight * J;
     sum.hessian.noalias() += weighted * J.transpose();
     sum.gradient += r * weighted;
   }

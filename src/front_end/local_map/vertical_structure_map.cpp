@@ -56,7 +56,7 @@ std::vector<Eigen::Vector3f> vertical_structure_points(const SampledPoints& poin
   const auto column_of = [&](std::size_t i) {
     return key_at({points.x[i], points.y[i], 0.0F}, kColumnEdge);
   };
-  std::unordered_map<VoxelKey, float> lowest;
+  std::unordered_map<VoxelKey, float, VoxelKeyHash> lowest;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [column, is_new] = lowest.try_emplace(column_of(i), points.z[i]);
     if (!is_new) column->second = std::min(column->second, points.z[i]);

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "checks/input_checks.hpp"
 #include "gnss/local_frame.hpp"
 #include "motion/time_offset.hpp"
@@ -78,7 +80,7 @@ bool fixes_are_mirrored(const GnssRecord& gnss, const ImuRecord& imu, const Extr
                           now.stamp <= headings.back().stamp &&
                           to_seconds(now.stamp - before.stamp) <= kMaxDuration;
     if (!is_known) continue;
-    const double a = std::remainder(now.value - before.value, 2.0 * M_PI);
+    const double a = std::remainder(now.value - before.value, 2.0 * kPi);
     const double g = value_at(headings, now.stamp) - value_at(headings, before.stamp);
     gg += g * g;
     ga += g * a;

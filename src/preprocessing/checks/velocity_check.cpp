@@ -89,6 +89,7 @@ void VelocityCheck::add_fix(const LocalFix& fix, double speed) {
 /// The median, if the other values agree with it; jumps of fixes do not agree.
 std::optional<double> VelocityCheck::consistent_scale() const {
   if (scales_.size() < kSections) return std::nullopt;
+  // All in order, and not median() of common/order_statistics.hpp: the ends are needed, too.
   std::array<double, kSections> sorted{};
   std::copy(scales_.begin(), scales_.end(), sorted.begin());
   std::sort(sorted.begin(), sorted.end());

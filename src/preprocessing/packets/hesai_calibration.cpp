@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
@@ -24,14 +25,14 @@ constexpr double kLargestElevation = 90.0, kLargestAzimuth = 180.0;
 
 const char* const kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8, which some files begin with
 
-/// The cells of a line without the white space around them; files of Windows end lines by \r\n.
+/// The cells of a line without the white space around them; files of Windows end lines by \r\n. A
+/// comma may end a line, too.
 std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream parts(line);
-  for (std::string cell; std::getline(parts, cell, ',');) {
+  std::vector<std::string> cells = csv_cells(line);
+  if (cells.back().empty()) cells.pop_back();
+  for (std::string& cell : cells) {
     const std::size_t begin = std::min(cell.find_first_not_of(" \t\r"), cell.size());
-    const std::size_t end = cell.find_last_not_of(" \t\r");
-    cells.push_back(begin == cell.size() ? "" : cell.substr(begin, end - begin + 1));
+    cell = cell.substr(begin, cell.find_last_not_of(" \t\r") - begin + 1);
   }
   return cells;
 }

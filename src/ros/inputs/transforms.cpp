@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -45,6 +46,13 @@ std::optional<Pose> SensorFrames::ask(const std::string& target, const std::stri
     }
     return std::nullopt;
   }
+}
+
+std::optional<GnssPosition> gnss_position(const nav_msgs::Odometry& message,
+                                          const std::string& base_frame, SensorFrames& frames) {
+  const std::optional<Pose> T_base_antenna = frames.lookup(base_frame, message.child_frame_id);
+  if (!T_base_antenna) return std::nullopt;
+  return from_message(message, T_base_antenna->translation);
 }
 
 void TransformPublisher::send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,

@@ -15,7 +15,8 @@ namespace lidar_mapping::tools {
 
 namespace {
 
-std::string quoted(const std::string& word) {
+/// A word as a shell reads it back, between quotes if it needs them.
+std::string shell_word(const std::string& word) {
   constexpr const char* kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
@@ -59,7 +60,7 @@ std::filesystem::path program_beside(const std::string& name) {
 
 std::string command_line(const std::vector<std::string>& words) {
   std::vector<std::string> texts;
-  for (const std::string& word : words) texts.push_back(quoted(word));
+  for (const std::string& word : words) texts.push_back(shell_word(word));
   return joined(texts, " ");
 }
 
