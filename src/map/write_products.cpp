@@ -13,13 +13,13 @@
 #include "lidar_mapping/map/top_view.hpp"
 #include "lidar_mapping/moving_objects/current_clouds.hpp"
 
-#include "change_files.hpp"
-#include "ept_file.hpp"
-#include "geotiff_files.hpp"
+#include "files/ept_file.hpp"
+#include "files/whole_folder.hpp"
+#include "gis/change_files.hpp"
+#include "gis/geotiff_files.hpp"
 #include "map_formats.hpp"
 #include "map_products.hpp"
-#include "web_page.hpp"
-#include "whole_folder.hpp"
+#include "web/web_page.hpp"
 
 namespace lidar_mapping::map {
 

@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/common/nameless_file.hpp"
 
-#include "voxel_tile.hpp"
+#include "tiles/voxel_tile.hpp"
 
 namespace lidar_mapping::map {
 

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <vector>
 
-#include "grid_frame.hpp"
-#include "ground_raster.hpp"
+#include "grid/grid_frame.hpp"
+#include "grid/ground_raster.hpp"
 #include "map_products.hpp"
 
 namespace lidar_mapping::map {

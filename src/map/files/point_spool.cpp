@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "point_spool.hpp"
+#include "files/point_spool.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/text.hpp"
 
-#include "ept_file.hpp"
+#include "files/ept_file.hpp"
 
 namespace lidar_mapping::map {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
 
-#include "geojson.hpp"
+#include "gis/geojson.hpp"
 #include "map_products.hpp"
 
 namespace lidar_mapping::map {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ept_file.hpp"
+#include "files/ept_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "files/millimetre_frame.hpp"
 #include "json.hpp"
-#include "millimetre_frame.hpp"
 
 namespace lidar_mapping::map {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "millimetre_frame.hpp"
+#include "files/millimetre_frame.hpp"
 
 #include <cmath>
 #include <limits>

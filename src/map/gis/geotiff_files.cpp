@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geotiff_files.hpp"
+#include "gis/geotiff_files.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 
-#include "ept_file.hpp"
-#include "millimetre_frame.hpp"
-#include "point_spool.hpp"
+#include "files/ept_file.hpp"
+#include "files/millimetre_frame.hpp"
+#include "files/point_spool.hpp"
 
 namespace lidar_mapping::map {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tile_pages.hpp"
+#include "tiles/tile_pages.hpp"
 
 namespace lidar_mapping::map {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "point_octree.hpp"
+#include "files/point_octree.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "whole_folder.hpp"
+#include "files/whole_folder.hpp"
 
 #include <system_error>
 

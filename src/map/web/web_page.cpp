@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "web_page.hpp"
+#include "web/web_page.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 
-#include "change_files.hpp"
+#include "files/millimetre_frame.hpp"
+#include "gis/change_files.hpp"
 #include "json.hpp"
-#include "millimetre_frame.hpp"
-#include "web_assets.hpp"
+#include "web/web_assets.hpp"
 
 namespace lidar_mapping::map {
 

@@ -11,8 +11,8 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
+#include "files/millimetre_frame.hpp"
 #include "map_products.hpp"
-#include "millimetre_frame.hpp"
 
 namespace lidar_mapping::map {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "free_space.hpp"
+#include "grid/free_space.hpp"
 
 #include <algorithm>
 #include <cmath>

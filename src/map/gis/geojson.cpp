@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geojson.hpp"
+#include "gis/geojson.hpp"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 // In place of geotiff_files.cpp where GDAL is not installed at build time.
 #include "lidar_mapping/common/errors.hpp"
 
-#include "geotiff_files.hpp"
+#include "gis/geotiff_files.hpp"
 
 namespace lidar_mapping::map {
 

@@ -4,8 +4,8 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/text.hpp"
 
+#include "files/whole_folder.hpp"
 #include "map_products.hpp"
-#include "whole_folder.hpp"
 
 namespace lidar_mapping::map {
 

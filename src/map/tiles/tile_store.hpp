@@ -7,7 +7,7 @@
 
 #include "lidar_mapping/common/pose.hpp"
 
-#include "voxel_tile.hpp"
+#include "tiles/voxel_tile.hpp"
 
 namespace lidar_mapping::map {
 

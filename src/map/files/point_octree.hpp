@@ -11,7 +11,7 @@
 
 #include "lidar_mapping/common/key_frame.hpp"
 
-#include "point_spool.hpp"
+#include "files/point_spool.hpp"
 
 namespace lidar_mapping::map {
 

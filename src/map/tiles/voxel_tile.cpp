@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxel_tile.hpp"
+#include "tiles/voxel_tile.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ground_raster.hpp"
+#include "grid/ground_raster.hpp"
 
 #include <algorithm>
 #include <array>

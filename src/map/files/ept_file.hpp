@@ -9,7 +9,7 @@
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/map/map_tile.hpp"
 
-#include "point_octree.hpp"
+#include "files/point_octree.hpp"
 
 namespace lidar_mapping::map {
 

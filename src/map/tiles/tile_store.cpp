@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tile_store.hpp"
+#include "tiles/tile_store.hpp"
 
 #include <algorithm>
 #include <numeric>

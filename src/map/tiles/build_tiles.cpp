@@ -5,8 +5,8 @@
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 
-#include "tile_pages.hpp"
-#include "tile_store.hpp"
+#include "tiles/tile_pages.hpp"
+#include "tiles/tile_store.hpp"
 
 namespace lidar_mapping::map {
 

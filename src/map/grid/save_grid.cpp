@@ -8,9 +8,9 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
-#include "free_space.hpp"
-#include "grid_frame.hpp"
-#include "ground_raster.hpp"
+#include "grid/free_space.hpp"
+#include "grid/grid_frame.hpp"
+#include "grid/ground_raster.hpp"
 #include "map_products.hpp"
 
 namespace lidar_mapping::map {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "change_files.hpp"
+#include "gis/change_files.hpp"
 
 #include "lidar_mapping/common/dates.hpp"
 
-#include "geojson.hpp"
+#include "gis/geojson.hpp"
 
 namespace lidar_mapping::map {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "grid_frame.hpp"
+#include "grid/grid_frame.hpp"
 
 #include <cmath>
 
