@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "candidate_generator.hpp"
+#include "candidates/candidate_generator.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "candidates/starting_pose.hpp"
+#include "matching/submap_builder.hpp"
 #include "sight.hpp"
-#include "starting_pose.hpp"
-#include "submap_builder.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "starting_pose.hpp"
+#include "candidates/starting_pose.hpp"
 
 #include <algorithm>
 

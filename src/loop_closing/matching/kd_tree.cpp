@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kd_tree.hpp"
+#include "matching/kd_tree.hpp"
 
 #include <algorithm>
 #include <array>

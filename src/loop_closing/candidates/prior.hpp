@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
-#include "graph_distance.hpp"
+#include "candidates/graph_distance.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing {

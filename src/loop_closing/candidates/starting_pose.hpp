@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
-#include "prior.hpp"
+#include "candidates/prior.hpp"
 
 namespace lidar_mapping::loop_closing {
 

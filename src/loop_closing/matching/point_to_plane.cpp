@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "point_to_plane.hpp"
+#include "matching/point_to_plane.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "lidar_mapping/common/voxel_index.hpp"
 
-#include "correspondence_cache.hpp"
+#include "matching/correspondence_cache.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/common/covariance.hpp"
 
-#include "surface.hpp"
+#include "matching/surface.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "kd_tree.hpp"
+#include "matching/kd_tree.hpp"
 
 namespace lidar_mapping::loop_closing {
 

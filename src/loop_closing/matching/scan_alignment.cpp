@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan_alignment.hpp"
+#include "matching/scan_alignment.hpp"
 
 #include "lidar_mapping/registration/registration.hpp"
 

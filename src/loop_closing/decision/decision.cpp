@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "decision.hpp"
+#include "decision/decision.hpp"
 
 #include <cmath>
 #include <optional>

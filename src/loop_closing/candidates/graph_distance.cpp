@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "graph_distance.hpp"
+#include "candidates/graph_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "segment_connector.hpp"
+#include "decision/segment_connector.hpp"
 
 #include <limits>
 

@@ -6,7 +6,7 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/loop_closing/above_ground.hpp"
 
-#include "kd_tree.hpp"
+#include "matching/kd_tree.hpp"
 
 namespace lidar_mapping::loop_closing {
 

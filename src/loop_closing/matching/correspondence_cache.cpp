@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "correspondence_cache.hpp"
+#include "matching/correspondence_cache.hpp"
 
 #include <cmath>
 

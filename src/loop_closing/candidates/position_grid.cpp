@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "position_grid.hpp"
+#include "candidates/position_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

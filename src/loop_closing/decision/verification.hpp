@@ -6,8 +6,8 @@
 
 #include "lidar_mapping/common/free_space_image.hpp"
 
-#include "elevation_range.hpp"
-#include "point_to_plane.hpp"
+#include "decision/elevation_range.hpp"
+#include "matching/point_to_plane.hpp"
 
 namespace lidar_mapping::loop_closing {
 

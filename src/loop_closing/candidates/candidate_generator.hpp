@@ -7,8 +7,8 @@
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
-#include "position_grid.hpp"
-#include "prior.hpp"
+#include "candidates/position_grid.hpp"
+#include "candidates/prior.hpp"
 
 namespace lidar_mapping::loop_closing {
 

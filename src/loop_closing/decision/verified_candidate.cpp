@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verified_candidate.hpp"
+#include "decision/verified_candidate.hpp"
 
 #include <algorithm>
 #include <cmath>

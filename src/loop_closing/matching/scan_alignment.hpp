@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
-#include "point_to_plane.hpp"
+#include "matching/point_to_plane.hpp"
 
 namespace lidar_mapping::registration {
 class Registration;

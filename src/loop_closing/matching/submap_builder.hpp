@@ -11,9 +11,9 @@
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
-#include "lru_cache.hpp"
+#include "decision/verification.hpp"
+#include "matching/lru_cache.hpp"
 #include "trajectory.hpp"
-#include "verification.hpp"
 
 namespace lidar_mapping::loop_closing {
 

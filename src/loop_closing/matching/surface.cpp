@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "surface.hpp"
+#include "matching/surface.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "surface.hpp"
+#include "matching/surface.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "prior.hpp"
+#include "candidates/prior.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verification.hpp"
+#include "decision/verification.hpp"
 
 #include <algorithm>
 #include <bitset>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "submap_builder.hpp"
+#include "matching/submap_builder.hpp"
 
 #include <algorithm>
 
+#include "matching/surface.hpp"
 #include "sight.hpp"
-#include "surface.hpp"
 
 namespace lidar_mapping::loop_closing {
 

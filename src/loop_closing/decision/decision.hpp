@@ -6,8 +6,8 @@
 
 #include "lidar_mapping/common/loop.hpp"
 
-#include "prior.hpp"
-#include "verification.hpp"
+#include "candidates/prior.hpp"
+#include "decision/verification.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "elevation_range.hpp"
+#include "decision/elevation_range.hpp"
 
 #include <algorithm>
 

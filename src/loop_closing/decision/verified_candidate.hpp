@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "candidate_generator.hpp"
-#include "decision.hpp"
-#include "scan_alignment.hpp"
+#include "candidates/candidate_generator.hpp"
+#include "decision/decision.hpp"
+#include "matching/scan_alignment.hpp"
 
 namespace lidar_mapping::loop_closing {
 
