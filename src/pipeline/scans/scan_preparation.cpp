@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan_preparation.hpp"
+#include "scans/scan_preparation.hpp"
 
 #include <utility>
 

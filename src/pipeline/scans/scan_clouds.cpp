@@ -9,7 +9,7 @@
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 
-#include "scan_preparation.hpp"
+#include "scans/scan_preparation.hpp"
 
 namespace lidar_mapping::pipeline {
 

@@ -8,8 +8,8 @@
 
 #include "drive_chunk.hpp"
 #include "resume_point.hpp"
-#include "scan_matching.hpp"
-#include "scan_preparation.hpp"
+#include "scans/scan_matching.hpp"
+#include "scans/scan_preparation.hpp"
 
 namespace lidar_mapping::pipeline {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan_matching.hpp"
+#include "scans/scan_matching.hpp"
 
 #include <algorithm>
 #include <utility>

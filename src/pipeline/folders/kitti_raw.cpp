@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kitti_raw.hpp"
+#include "folders/kitti_raw.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan_odometry.hpp"
+#include "scans/scan_odometry.hpp"
 
 #include <utility>
 

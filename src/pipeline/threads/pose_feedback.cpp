@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose_feedback.hpp"
+#include "threads/pose_feedback.hpp"
 
 #include <utility>
 

@@ -11,7 +11,7 @@
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
-#include "kitti_raw.hpp"
+#include "folders/kitti_raw.hpp"
 
 namespace lidar_mapping::pipeline {
 

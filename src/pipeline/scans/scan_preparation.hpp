@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/pipeline/input.hpp"
 
-#include "cloud_pool.hpp"
+#include "threads/cloud_pool.hpp"
 
 namespace lidar_mapping::pipeline {
 
