@@ -3,8 +3,8 @@
 # damaged files do to it. The rest of the package stays as it is built for use. `readers_root` is
 # the folder of the package.
 set(reader_sources
-  ${readers_root}/src/pose_graph/binary_graph_reader.cpp
-  ${readers_root}/src/pose_graph/g2o_file.cpp
+  ${readers_root}/src/pose_graph/files/binary_graph_reader.cpp
+  ${readers_root}/src/pose_graph/files/g2o_file.cpp
   ${readers_root}/src/common/input_file.cpp
   ${readers_root}/src/common/number_words.cpp
   ${readers_root}/src/common/pcd_header.cpp

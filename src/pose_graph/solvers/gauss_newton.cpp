@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "gauss_newton.hpp"
+#include "solvers/gauss_newton.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 
 #include <Eigen/OrderingMethods>
 
-#include "single_threaded_openmp.hpp"
+#include "linear_algebra/single_threaded_openmp.hpp"
 
 namespace lidar_mapping::pose_graph {
 

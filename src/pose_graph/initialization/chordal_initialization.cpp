@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "chordal_initialization.hpp"
+#include "initialization/chordal_initialization.hpp"
 
 #include <memory>
 #include <numeric>
@@ -11,7 +11,7 @@
 
 #include "lidar_mapping/pose_graph/block_cholesky.hpp"
 
-#include "odometry_chain.hpp"
+#include "initialization/odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
 

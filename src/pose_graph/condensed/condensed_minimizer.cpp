@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "condensed_minimizer.hpp"
+#include "condensed/condensed_minimizer.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
-#include "residual_algebra.hpp"
+#include "residuals/residual_algebra.hpp"
 
 namespace lidar_mapping::pose_graph {
 

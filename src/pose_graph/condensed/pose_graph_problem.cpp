@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose_graph_problem.hpp"
+#include "condensed/pose_graph_problem.hpp"
 
 #include <array>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pose_graph/tangent.hpp"
 
-#include "odometry_chain.hpp"
+#include "initialization/odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
 

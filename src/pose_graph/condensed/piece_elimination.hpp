@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "condensed_problem.hpp"
-#include "elimination_pieces.hpp"
+#include "condensed/condensed_problem.hpp"
+#include "condensed/elimination_pieces.hpp"
 
 namespace lidar_mapping::pose_graph {
 

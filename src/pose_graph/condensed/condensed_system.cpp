@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "condensed_system.hpp"
+#include "condensed/condensed_system.hpp"
 
 #include <algorithm>
 #include <utility>

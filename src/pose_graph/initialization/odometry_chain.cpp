@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "odometry_chain.hpp"
+#include "initialization/odometry_chain.hpp"
 
 #include <algorithm>
 #include <cstdlib>

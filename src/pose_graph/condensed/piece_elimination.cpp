@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "piece_elimination.hpp"
+#include "condensed/piece_elimination.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "gauss_newton.hpp"
+#include "solvers/gauss_newton.hpp"
 
 namespace lidar_mapping::pose_graph {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "elimination_pieces.hpp"
+#include "condensed/elimination_pieces.hpp"
 
 #include <algorithm>
 #include <numeric>

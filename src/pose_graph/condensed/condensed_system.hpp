@@ -9,9 +9,9 @@
 
 #include "lidar_mapping/pose_graph/block_cholesky.hpp"
 
-#include "condensed_problem.hpp"
-#include "elimination_pieces.hpp"
-#include "piece_elimination.hpp"
+#include "condensed/condensed_problem.hpp"
+#include "condensed/elimination_pieces.hpp"
+#include "condensed/piece_elimination.hpp"
 
 namespace lidar_mapping::pose_graph {
 

@@ -20,8 +20,8 @@
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 
-#include "information_entries.hpp"
-#include "odometry_chain.hpp"
+#include "files/information_entries.hpp"
+#include "initialization/odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
 

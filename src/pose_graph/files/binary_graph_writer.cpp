@@ -6,8 +6,8 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/pose_graph/graph_file.hpp"
 
-#include "binary_graph_format.hpp"
-#include "information_entries.hpp"
+#include "files/binary_graph_format.hpp"
+#include "files/information_entries.hpp"
 
 namespace lidar_mapping::pose_graph {
 

@@ -3,8 +3,8 @@
 
 #include "lidar_mapping/pose_graph/factor_graph.hpp"
 
-#include "condensed_problem.hpp"
-#include "condensed_system.hpp"
+#include "condensed/condensed_problem.hpp"
+#include "condensed/condensed_system.hpp"
 
 namespace lidar_mapping::pose_graph {
 

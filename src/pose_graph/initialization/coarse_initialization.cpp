@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "coarse_initialization.hpp"
+#include "initialization/coarse_initialization.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
 
-#include "chordal_initialization.hpp"
-#include "condensed_minimizer.hpp"
-#include "odometry_chain.hpp"
-#include "pose_graph_problem.hpp"
+#include "condensed/condensed_minimizer.hpp"
+#include "condensed/pose_graph_problem.hpp"
+#include "initialization/chordal_initialization.hpp"
+#include "initialization/odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
 

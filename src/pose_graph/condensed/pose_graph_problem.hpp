@@ -6,7 +6,7 @@
 #include "lidar_mapping/pose_graph/pose_graph.hpp"
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
-#include "condensed_problem.hpp"
+#include "condensed/condensed_problem.hpp"
 
 namespace lidar_mapping::pose_graph {
 

@@ -5,7 +5,7 @@
 
 #include <ceres/loss_function.h>
 
-#include "condensed_minimizer.hpp"
+#include "condensed/condensed_minimizer.hpp"
 
 namespace lidar_mapping::pose_graph {
 
