@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "other_visits.hpp"
+#include "visits/other_visits.hpp"
 
 #include <algorithm>
 

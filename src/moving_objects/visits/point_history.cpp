@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "point_history.hpp"
+#include "visits/point_history.hpp"
 
 namespace lidar_mapping::moving_objects {
 

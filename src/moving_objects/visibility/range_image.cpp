@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "range_image.hpp"
+#include "visibility/range_image.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "lidar_mapping/moving_objects/local_ground.hpp"
 #include "lidar_mapping/moving_objects/moving_objects.hpp"
 
-#include "range_image.hpp"
+#include "visibility/range_image.hpp"
 
 namespace lidar_mapping::moving_objects {
 

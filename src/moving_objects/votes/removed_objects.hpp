@@ -9,8 +9,8 @@
 
 #include "lidar_mapping/moving_objects/transformed_points.hpp"
 
-#include "moving_points.hpp"
-#include "vote_count.hpp"
+#include "votes/moving_points.hpp"
+#include "votes/vote_count.hpp"
 
 namespace lidar_mapping::moving_objects {
 

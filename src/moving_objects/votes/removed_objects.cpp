@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "removed_objects.hpp"
+#include "votes/removed_objects.hpp"
 
 namespace lidar_mapping::moving_objects {
 

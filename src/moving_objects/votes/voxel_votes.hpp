@@ -10,7 +10,7 @@
 #include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/moving_objects/transformed_points.hpp"
 
-#include "vote_count.hpp"
+#include "votes/vote_count.hpp"
 
 namespace lidar_mapping::moving_objects {
 

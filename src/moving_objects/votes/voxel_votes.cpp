@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxel_votes.hpp"
+#include "votes/voxel_votes.hpp"
 
 #include <unordered_set>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "observing_scan.hpp"
+#include "visibility/observing_scan.hpp"
 
 namespace lidar_mapping::moving_objects {
 

@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/point_cloud.hpp"
 
-#include "visibility_kernels.hpp"
+#include "visibility/visibility_kernels.hpp"
 
 namespace lidar_mapping::moving_objects {
 

@@ -9,7 +9,7 @@
 #include "lidar_mapping/moving_objects/change_list.hpp"
 
 #include "mark_file.hpp"
-#include "observing_scan.hpp"
+#include "visibility/observing_scan.hpp"
 
 namespace lidar_mapping::moving_objects {
 

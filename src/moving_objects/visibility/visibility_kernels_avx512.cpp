@@ -2,10 +2,10 @@
 // Compiled with AVX-512 if the compiler supports it; only plain pointers cross its interface.
 #include "lidar_mapping/common/instruction_set.hpp"
 
-#include "visibility_kernels.hpp"
+#include "visibility/visibility_kernels.hpp"
 
 #ifdef LIDAR_MAPPING_HAS_AVX512
-#include "visibility_kernels_body.hpp"
+#include "visibility/visibility_kernels_body.hpp"
 #endif
 
 namespace lidar_mapping::moving_objects {

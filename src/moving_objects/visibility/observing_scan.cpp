@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "observing_scan.hpp"
+#include "visibility/observing_scan.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "visibility_kernels.hpp"
+#include "visibility/visibility_kernels.hpp"
 
 #include <initializer_list>
 
-#include "visibility_kernels_body.hpp"
+#include "visibility/visibility_kernels_body.hpp"
 
 namespace lidar_mapping::moving_objects {
 

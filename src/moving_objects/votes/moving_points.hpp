@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/moving_objects/transformed_points.hpp"
 
-#include "observing_scan.hpp"
+#include "visibility/observing_scan.hpp"
 
 namespace lidar_mapping::moving_objects {
 

@@ -6,9 +6,9 @@
 #include "lidar_mapping/common/parallel.hpp"
 
 #include "mark_file.hpp"
-#include "observers.hpp"
-#include "other_visits.hpp"
-#include "point_history.hpp"
+#include "visibility/observers.hpp"
+#include "visits/other_visits.hpp"
+#include "visits/point_history.hpp"
 
 namespace lidar_mapping::moving_objects {
 

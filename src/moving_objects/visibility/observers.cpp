@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "observers.hpp"
+#include "visibility/observers.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "moving_points.hpp"
+#include "votes/moving_points.hpp"
 
 #include <algorithm>
 #include <cstdint>
 
-#include "removed_objects.hpp"
-#include "voxel_votes.hpp"
+#include "votes/removed_objects.hpp"
+#include "votes/voxel_votes.hpp"
 
 namespace lidar_mapping::moving_objects {
 

@@ -6,7 +6,7 @@
 #include "lidar_mapping/common/fast_angle.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-#include "visibility_kernels.hpp"
+#include "visibility/visibility_kernels.hpp"
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
 

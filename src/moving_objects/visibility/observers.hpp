@@ -11,8 +11,8 @@
 
 #include "lidar_mapping/common/cloud_source.hpp"
 
-#include "moving_points.hpp"
-#include "observing_scan.hpp"
+#include "visibility/observing_scan.hpp"
+#include "votes/moving_points.hpp"
 
 namespace lidar_mapping::moving_objects {
 
