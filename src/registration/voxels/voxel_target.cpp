@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxel_target.hpp"
+#include "voxels/voxel_target.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -2,10 +2,10 @@
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
 #include "lidar_mapping/common/instruction_set.hpp"
 
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 
 #ifdef LIDAR_MAPPING_HAS_AVX2
-#include "ndt_kernels_body.hpp"
+#include "ndt/ndt_kernels_body.hpp"
 #endif
 
 namespace lidar_mapping::registration {

@@ -8,7 +8,7 @@
 
 #include "lidar_mapping/common/voxel_index.hpp"
 
-#include "weighted_normal.hpp"
+#include "voxels/weighted_normal.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pcl/registration/gicp.h>
 
-#include "pcl_registration.hpp"
+#include "pcl_methods/pcl_registration.hpp"
 
 namespace lidar_mapping::registration {
 

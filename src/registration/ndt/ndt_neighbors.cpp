@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ndt_neighbors.hpp"
+#include "ndt/ndt_neighbors.hpp"
 
 #include <algorithm>
 
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "lidar_mapping/common/robust_weights.hpp"
 
-#include "ndt_kernels.hpp"
-#include "ndt_neighbors.hpp"
-#include "ndt_parts.hpp"
+#include "ndt/ndt_kernels.hpp"
+#include "ndt/ndt_neighbors.hpp"
+#include "ndt/ndt_parts.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

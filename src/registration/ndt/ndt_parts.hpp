@@ -6,8 +6,8 @@
 
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
-#include "ndt_kernels.hpp"
-#include "ndt_neighbors.hpp"
+#include "ndt/ndt_kernels.hpp"
+#include "ndt/ndt_neighbors.hpp"
 
 namespace lidar_mapping::registration {
 

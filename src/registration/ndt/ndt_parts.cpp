@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ndt_parts.hpp"
+#include "ndt/ndt_parts.hpp"
 
 #include <algorithm>
 #include <cmath>

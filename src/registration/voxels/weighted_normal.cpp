@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "weighted_normal.hpp"
+#include "voxels/weighted_normal.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <array>
 #include <numeric>
 
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

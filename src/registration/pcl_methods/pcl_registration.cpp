@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_registration.hpp"
+#include "pcl_methods/pcl_registration.hpp"
 
 #include "fit.hpp"
 

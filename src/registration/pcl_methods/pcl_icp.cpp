@@ -3,7 +3,7 @@
 
 #include <pcl/registration/icp.h>
 
-#include "pcl_registration.hpp"
+#include "pcl_methods/pcl_registration.hpp"
 
 namespace lidar_mapping::registration {
 

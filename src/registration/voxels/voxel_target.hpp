@@ -3,7 +3,7 @@
 
 #include "lidar_mapping/registration/gaussian_voxel_map.hpp"
 
-#include "pcl_clouds.hpp"
+#include "pcl_methods/pcl_clouds.hpp"
 
 namespace lidar_mapping::registration {
 

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

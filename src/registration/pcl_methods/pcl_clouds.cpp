@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_clouds.hpp"
+#include "pcl_methods/pcl_clouds.hpp"
 
 #include <cmath>
 

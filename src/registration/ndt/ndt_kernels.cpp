@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 
-#include "ndt_kernels_body.hpp"
+#include "ndt/ndt_kernels_body.hpp"
 
 namespace lidar_mapping::registration {
 
