@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "drive_results.hpp"
-#include "drive_update.hpp"
-#include "graph_builder.hpp"
+#include "drive/drive_results.hpp"
+#include "drive/drive_update.hpp"
+#include "drive/graph_builder.hpp"
+#include "imu/tilt_scatter.hpp"
 #include "optimization.hpp"
-#include "tilt_scatter.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -8,11 +8,11 @@
 #include "lidar_mapping/pose_graph/least_eigenvalue.hpp"
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
-#include "drift_fraction.hpp"
-#include "drive_factors.hpp"
-#include "drive_placement.hpp"
-#include "gnss_delay.hpp"
-#include "systematic_errors.hpp"
+#include "drive/drive_placement.hpp"
+#include "factors/drive_factors.hpp"
+#include "gnss/gnss_delay.hpp"
+#include "weights/drift_fraction.hpp"
+#include "weights/systematic_errors.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -3,7 +3,7 @@
 
 #include "lidar_mapping/back_end/back_end.hpp"
 
-#include "drive_window.hpp"
+#include "drive/drive_window.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -5,11 +5,11 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "scan_alignment.hpp"
-#include "segment_connector.hpp"
+#include "decision/segment_connector.hpp"
+#include "decision/verified_candidate.hpp"
+#include "matching/scan_alignment.hpp"
+#include "matching/submap_builder.hpp"
 #include "sight.hpp"
-#include "submap_builder.hpp"
-#include "verified_candidate.hpp"
 
 namespace lidar_mapping::loop_closing {
 

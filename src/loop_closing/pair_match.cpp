@@ -6,9 +6,9 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
-#include "scan_alignment.hpp"
-#include "submap_builder.hpp"
-#include "verified_candidate.hpp"
+#include "decision/verified_candidate.hpp"
+#include "matching/scan_alignment.hpp"
+#include "matching/submap_builder.hpp"
 
 namespace lidar_mapping::loop_closing {
 

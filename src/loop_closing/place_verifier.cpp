@@ -3,10 +3,10 @@
 
 #include "lidar_mapping/loop_closing/above_ground.hpp"
 
-#include "scan_alignment.hpp"
+#include "decision/verified_candidate.hpp"
+#include "matching/scan_alignment.hpp"
+#include "matching/submap_builder.hpp"
 #include "sight.hpp"
-#include "submap_builder.hpp"
-#include "verified_candidate.hpp"
 
 namespace lidar_mapping::loop_closing {
 

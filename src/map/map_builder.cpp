@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "tile_store.hpp"
+#include "tiles/tile_store.hpp"
 
 namespace lidar_mapping::map {
 

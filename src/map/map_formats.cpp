@@ -8,9 +8,9 @@
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 
-#include "geotiff_files.hpp"
+#include "gis/geotiff_files.hpp"
 #include "product_writer.hpp"
-#include "web_page.hpp"
+#include "web/web_page.hpp"
 
 namespace lidar_mapping::map {
 

@@ -13,12 +13,12 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
-#include "change_files.hpp"
-#include "ept_file.hpp"
-#include "geotiff_files.hpp"
+#include "files/ept_file.hpp"
+#include "files/whole_folder.hpp"
+#include "gis/change_files.hpp"
+#include "gis/geotiff_files.hpp"
 #include "map_formats.hpp"
 #include "map_products.hpp"
-#include "whole_folder.hpp"
 
 namespace lidar_mapping::map {
 

@@ -16,7 +16,7 @@
 
 #include "cropped_clouds.hpp"
 #include "map_products.hpp"
-#include "web_page.hpp"
+#include "web/web_page.hpp"
 
 namespace lidar_mapping::map {
 

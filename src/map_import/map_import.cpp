@@ -25,7 +25,7 @@ constexpr std::size_t kBatch = 16;
 /// judged.
 constexpr std::size_t kFewestPoints = 300;
 /// m from the origin, up to which the session keeps the map's coordinates. Chosen: that of
-/// check_range() in src/map/map_files.cpp, up to which floats hold the centimetre.
+/// check_range() in src/map/files/map_files.cpp, up to which floats hold the centimetre.
 constexpr double kFarFromOrigin = 1e5;
 /// m. Chosen: a number that is easy to add.
 constexpr double kRoundOrigin = 1000.0;

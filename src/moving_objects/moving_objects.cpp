@@ -11,8 +11,8 @@
 #include "lidar_mapping/moving_objects/transformed_points.hpp"
 
 #include "mark_file.hpp"
-#include "moving_points.hpp"
-#include "observers.hpp"
+#include "visibility/observers.hpp"
+#include "votes/moving_points.hpp"
 
 namespace lidar_mapping::moving_objects {
 

@@ -7,7 +7,7 @@
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
 #include "drive_chunk.hpp"
-#include "pose_feedback.hpp"
+#include "threads/pose_feedback.hpp"
 
 namespace lidar_mapping::pipeline {
 

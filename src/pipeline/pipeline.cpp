@@ -6,10 +6,10 @@
 
 #include "graph_updater.hpp"
 #include "loop_search.hpp"
-#include "message_list.hpp"
-#include "scan_odometry.hpp"
-#include "scan_preparation.hpp"
-#include "stage_thread.hpp"
+#include "scans/scan_odometry.hpp"
+#include "scans/scan_preparation.hpp"
+#include "threads/message_list.hpp"
+#include "threads/stage_thread.hpp"
 
 namespace lidar_mapping::pipeline {
 

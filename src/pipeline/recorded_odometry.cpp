@@ -6,10 +6,10 @@
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 
-#include "message_list.hpp"
-#include "scan_matching.hpp"
-#include "scan_preparation.hpp"
-#include "stage_thread.hpp"
+#include "scans/scan_matching.hpp"
+#include "scans/scan_preparation.hpp"
+#include "threads/message_list.hpp"
+#include "threads/stage_thread.hpp"
 
 namespace lidar_mapping::pipeline {
 

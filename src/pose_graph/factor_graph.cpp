@@ -12,8 +12,8 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pose_graph/condensed_solver.hpp"
 
-#include "gauss_newton.hpp"
-#include "single_threaded_openmp.hpp"
+#include "linear_algebra/single_threaded_openmp.hpp"
+#include "solvers/gauss_newton.hpp"
 
 namespace lidar_mapping::pose_graph {
 

@@ -7,12 +7,12 @@
 
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
-#include "chordal_initialization.hpp"
-#include "coarse_initialization.hpp"
-#include "condensed_minimizer.hpp"
-#include "condensed_system.hpp"
-#include "odometry_chain.hpp"
-#include "pose_graph_problem.hpp"
+#include "condensed/condensed_minimizer.hpp"
+#include "condensed/condensed_system.hpp"
+#include "condensed/pose_graph_problem.hpp"
+#include "initialization/chordal_initialization.hpp"
+#include "initialization/coarse_initialization.hpp"
+#include "initialization/odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
 

@@ -8,7 +8,7 @@
 
 #include "lidar_mapping/registration/registration.hpp"
 
-#include "pcl_clouds.hpp"
+#include "pcl_methods/pcl_clouds.hpp"
 
 namespace lidar_mapping::registration {
 

@@ -2,7 +2,7 @@
 #include "lidar_mapping/registration/registration.hpp"
 
 #include "own_registration.hpp"
-#include "pcl_registration.hpp"
+#include "pcl_methods/pcl_registration.hpp"
 
 namespace lidar_mapping::registration {
 

@@ -11,7 +11,7 @@
 
 #include "fit.hpp"
 #include "own_registration.hpp"
-#include "voxel_target.hpp"
+#include "voxels/voxel_target.hpp"
 
 namespace lidar_mapping::registration {
 

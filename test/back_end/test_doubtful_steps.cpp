@@ -5,7 +5,7 @@
 #include "lidar_mapping/pose_graph/linearisation.hpp"
 
 #include "back_end_fixture.hpp"
-#include "drive_factors.hpp"
+#include "factors/drive_factors.hpp"
 #include "near.hpp"
 #include "optimization.hpp"
 

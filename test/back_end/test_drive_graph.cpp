@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "drive_graph.hpp"
+#include "drive/drive_graph.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drive_placement.hpp"
+#include "drive/drive_placement.hpp"
 #include "near.hpp"
 #include "synthetic_drive.hpp"
 

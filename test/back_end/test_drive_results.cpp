@@ -3,7 +3,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "drive_results.hpp"
+#include "drive/drive_results.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

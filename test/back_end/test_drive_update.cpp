@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "drive_update.hpp"
+#include "drive/drive_update.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

@@ -8,7 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
 
-#include "drive_factors.hpp"
+#include "factors/drive_factors.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

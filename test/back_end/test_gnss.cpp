@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "back_end_fixture.hpp"
-#include "gnss_alignment.hpp"
+#include "gnss/gnss_alignment.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

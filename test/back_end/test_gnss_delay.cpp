@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "back_end_fixture.hpp"
-#include "gnss_delay.hpp"
+#include "gnss/gnss_delay.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

@@ -7,7 +7,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "graph_builder.hpp"
+#include "drive/graph_builder.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

@@ -3,10 +3,10 @@
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
 #include "back_end_fixture.hpp"
-#include "drift_fraction.hpp"
 #include "near.hpp"
 #include "optimization.hpp"
-#include "systematic_errors.hpp"
+#include "weights/drift_fraction.hpp"
+#include "weights/systematic_errors.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

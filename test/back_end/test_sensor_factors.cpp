@@ -9,9 +9,9 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 
-#include "floor_factors.hpp"
-#include "gnss_factors.hpp"
-#include "gnss_weights.hpp"
+#include "factors/floor_factors.hpp"
+#include "gnss/gnss_factors.hpp"
+#include "gnss/gnss_weights.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {

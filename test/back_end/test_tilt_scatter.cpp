@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "back_end_fixture.hpp"
+#include "imu/tilt_scatter.hpp"
+#include "imu/vertical.hpp"
 #include "optimization.hpp"
-#include "tilt_scatter.hpp"
-#include "vertical.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

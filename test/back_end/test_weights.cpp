@@ -10,8 +10,8 @@
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
 #include "back_end_fixture.hpp"
-#include "drive_factors.hpp"
-#include "edge_covariance.hpp"
+#include "factors/drive_factors.hpp"
+#include "weights/edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

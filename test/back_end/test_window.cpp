@@ -4,7 +4,7 @@
 #include "lidar_mapping/pose_graph/least_eigenvalue.hpp"
 
 #include "back_end_fixture.hpp"
-#include "drive_window.hpp"
+#include "drive/drive_window.hpp"
 #include "near.hpp"
 #include "optimization.hpp"
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "ept_file.hpp"
+#include "files/ept_file.hpp"
 
 namespace lidar_mapping::map {
 namespace {

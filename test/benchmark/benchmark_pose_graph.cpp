@@ -16,8 +16,8 @@
 #include "lidar_mapping/pose_graph/factor_graph.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 
-#include "chordal_initialization.hpp"
-#include "odometry_chain.hpp"
+#include "initialization/chordal_initialization.hpp"
+#include "initialization/odometry_chain.hpp"
 #include "synthetic_drive.hpp"
 #include "test_data.hpp"
 

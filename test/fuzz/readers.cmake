@@ -3,8 +3,8 @@
 # damaged files do to it. The rest of the package stays as it is built for use. `readers_root` is
 # the folder of the package.
 set(reader_sources
-  ${readers_root}/src/pose_graph/binary_graph_reader.cpp
-  ${readers_root}/src/pose_graph/g2o_file.cpp
+  ${readers_root}/src/pose_graph/files/binary_graph_reader.cpp
+  ${readers_root}/src/pose_graph/files/g2o_file.cpp
   ${readers_root}/src/common/input_file.cpp
   ${readers_root}/src/common/number_words.cpp
   ${readers_root}/src/common/pcd_header.cpp
@@ -12,11 +12,11 @@ set(reader_sources
   ${readers_root}/src/config/load.cpp
   ${readers_root}/src/config/schema.cpp
   ${readers_root}/src/config/value.cpp
-  ${readers_root}/src/pipeline/doubt_file.cpp
-  ${readers_root}/src/pipeline/folder_input.cpp
-  ${readers_root}/src/pipeline/hdl_dump_reading.cpp
-  ${readers_root}/src/pipeline/kitti_folder.cpp
-  ${readers_root}/src/pipeline/kitti_raw.cpp
+  ${readers_root}/src/pipeline/doubt/doubt_file.cpp
+  ${readers_root}/src/pipeline/folders/folder_input.cpp
+  ${readers_root}/src/pipeline/folders/hdl_dump_reading.cpp
+  ${readers_root}/src/pipeline/folders/kitti_folder.cpp
+  ${readers_root}/src/pipeline/folders/kitti_raw.cpp
   ${readers_root}/src/preprocessing/gnss/nmea.cpp
   ${readers_root}/src/ros/bags/bag_chunk.cpp
   ${readers_root}/src/ros/bags/bag_file.cpp

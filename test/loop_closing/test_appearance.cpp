@@ -7,8 +7,8 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
+#include "matching/surface.hpp"
 #include "near.hpp"
-#include "surface.hpp"
 #include "temporary_folder.hpp"
 #include "toy_world.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "candidate_generator.hpp"
+#include "candidates/candidate_generator.hpp"
 #include "drive.hpp"
 
 namespace lidar_mapping::loop_closing::test {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "correspondence_cache.hpp"
+#include "matching/correspondence_cache.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {

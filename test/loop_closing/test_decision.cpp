@@ -3,7 +3,7 @@
 
 #include "lidar_mapping/config/load.hpp"
 
-#include "decision.hpp"
+#include "decision/decision.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {

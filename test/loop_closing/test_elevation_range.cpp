@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "elevation_range.hpp"
+#include "decision/elevation_range.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

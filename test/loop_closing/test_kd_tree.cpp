@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kd_tree.hpp"
+#include "matching/kd_tree.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {

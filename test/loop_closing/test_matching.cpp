@@ -3,11 +3,11 @@
 
 #include "lidar_mapping/config/load.hpp"
 
-#include "decision.hpp"
+#include "decision/decision.hpp"
 #include "drive.hpp"
+#include "matching/scan_alignment.hpp"
+#include "matching/submap_builder.hpp"
 #include "near.hpp"
-#include "scan_alignment.hpp"
-#include "submap_builder.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "matching/point_to_plane.hpp"
 #include "near.hpp"
-#include "point_to_plane.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {

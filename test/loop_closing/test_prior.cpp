@@ -9,9 +9,9 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "candidates/prior.hpp"
 #include "drive.hpp"
 #include "near.hpp"
-#include "prior.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

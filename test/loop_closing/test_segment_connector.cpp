@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "decision/segment_connector.hpp"
 #include "drive.hpp"
-#include "segment_connector.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

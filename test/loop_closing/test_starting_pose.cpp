@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "candidates/starting_pose.hpp"
 #include "drive.hpp"
 #include "near.hpp"
-#include "starting_pose.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "surface.hpp"
+#include "matching/surface.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {

@@ -7,9 +7,9 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "candidates/graph_distance.hpp"
+#include "candidates/position_grid.hpp"
 #include "drive.hpp"
-#include "graph_distance.hpp"
-#include "position_grid.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing::test {

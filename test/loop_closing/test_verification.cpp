@@ -9,8 +9,8 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "decision/verification.hpp"
 #include "toy_world.hpp"
-#include "verification.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

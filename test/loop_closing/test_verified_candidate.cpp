@@ -5,9 +5,9 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "decision/verified_candidate.hpp"
 #include "drive.hpp"
 #include "near.hpp"
-#include "verified_candidate.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

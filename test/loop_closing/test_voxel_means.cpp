@@ -7,7 +7,7 @@
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
-#include "lru_cache.hpp"
+#include "matching/lru_cache.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::loop_closing {

@@ -4,8 +4,8 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
-#include "change_files.hpp"
 #include "file_content.hpp"
+#include "gis/change_files.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {

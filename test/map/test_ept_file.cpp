@@ -12,10 +12,10 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 
-#include "ept_file.hpp"
 #include "file_content.hpp"
+#include "files/ept_file.hpp"
+#include "files/millimetre_frame.hpp"
 #include "memory_clouds.hpp"
-#include "millimetre_frame.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "free_space.hpp"
+#include "grid/free_space.hpp"
 #include "memory_clouds.hpp"
 
 namespace lidar_mapping::map {

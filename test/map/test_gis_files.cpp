@@ -12,9 +12,9 @@
 #include "lidar_mapping/map/write_products.hpp"
 
 #include "file_content.hpp"
-#include "geotiff_files.hpp"
+#include "files/millimetre_frame.hpp"
+#include "gis/geotiff_files.hpp"
 #include "map_products.hpp"
-#include "millimetre_frame.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {

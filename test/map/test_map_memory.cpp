@@ -12,7 +12,7 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 
-#include "ept_file.hpp"
+#include "files/ept_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace {

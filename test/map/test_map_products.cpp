@@ -14,11 +14,11 @@
 #include "lidar_mapping/map/map_config.hpp"
 
 #include "file_content.hpp"
+#include "files/whole_folder.hpp"
 #include "map_products.hpp"
 #include "memory_clouds.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
-#include "whole_folder.hpp"
 
 namespace lidar_mapping::map {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "point_octree.hpp"
+#include "files/point_octree.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {

@@ -10,9 +10,9 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "grid_frame.hpp"
+#include "grid/grid_frame.hpp"
 #include "near.hpp"
-#include "voxel_tile.hpp"
+#include "tiles/voxel_tile.hpp"
 
 namespace lidar_mapping::map {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "memory_clouds.hpp"
 #include "near.hpp"
-#include "tile_store.hpp"
+#include "tiles/tile_store.hpp"
 
 namespace lidar_mapping::map {
 namespace {

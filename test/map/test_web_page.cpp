@@ -6,10 +6,10 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "ept_file.hpp"
 #include "file_content.hpp"
+#include "files/ept_file.hpp"
 #include "temporary_folder.hpp"
-#include "web_page.hpp"
+#include "web/web_page.hpp"
 
 namespace lidar_mapping::map {
 namespace {

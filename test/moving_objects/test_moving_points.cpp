@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moving_points.hpp"
+#include "votes/moving_points.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "observing_scan.hpp"
+#include "visibility/observing_scan.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "mark_file.hpp"
-#include "other_visits.hpp"
 #include "temporary_folder.hpp"
+#include "visits/other_visits.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

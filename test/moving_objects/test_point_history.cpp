@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "point_history.hpp"
+#include "visits/point_history.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

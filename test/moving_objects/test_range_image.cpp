@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "range_image.hpp"
+#include "visibility/range_image.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

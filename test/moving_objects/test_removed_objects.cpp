@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "removed_objects.hpp"
+#include "votes/removed_objects.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

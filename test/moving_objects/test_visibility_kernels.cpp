@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "visibility_kernels.hpp"
+#include "visibility/visibility_kernels.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

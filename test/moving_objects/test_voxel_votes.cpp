@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "voxel_votes.hpp"
+#include "votes/voxel_votes.hpp"
 
 namespace lidar_mapping::moving_objects {
 namespace {

@@ -15,7 +15,7 @@
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
-#include "coarse_initialization.hpp"
+#include "initialization/coarse_initialization.hpp"
 #include "near.hpp"
 #include "street_graph.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "elimination_pieces.hpp"
+#include "condensed/elimination_pieces.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {

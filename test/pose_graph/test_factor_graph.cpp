@@ -7,7 +7,7 @@
 #include "lidar_mapping/pose_graph/linearisation.hpp"
 
 #include "error_text.hpp"
-#include "gauss_newton.hpp"
+#include "solvers/gauss_newton.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {

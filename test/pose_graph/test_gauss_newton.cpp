@@ -12,8 +12,8 @@
 #include "lidar_mapping/pose_graph/factor_graph.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
-#include "gauss_newton.hpp"
 #include "near.hpp"
+#include "solvers/gauss_newton.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {

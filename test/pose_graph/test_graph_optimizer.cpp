@@ -9,9 +9,9 @@
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
-#include "chordal_initialization.hpp"
+#include "initialization/chordal_initialization.hpp"
+#include "initialization/odometry_chain.hpp"
 #include "near.hpp"
-#include "odometry_chain.hpp"
 #include "synthetic_drive.hpp"
 
 namespace lidar_mapping::pose_graph {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "initialization/odometry_chain.hpp"
 #include "near.hpp"
-#include "odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {

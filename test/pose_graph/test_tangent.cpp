@@ -11,7 +11,7 @@
 #include "lidar_mapping/pose_graph/tangent.hpp"
 
 #include "near.hpp"
-#include "residual_algebra.hpp"
+#include "residuals/residual_algebra.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud_pool.hpp"
+#include "threads/cloud_pool.hpp"
 
 namespace lidar_mapping::pipeline {
 namespace {

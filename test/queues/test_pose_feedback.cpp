@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pose_feedback.hpp"
+#include "threads/pose_feedback.hpp"
 
 namespace lidar_mapping::pipeline {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "stage_thread.hpp"
+#include "threads/stage_thread.hpp"
 
 namespace lidar_mapping::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 #include "corner_map.hpp"
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::registration {

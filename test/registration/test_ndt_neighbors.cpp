@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ndt_kernels.hpp"
-#include "ndt_neighbors.hpp"
+#include "ndt/ndt_kernels.hpp"
+#include "ndt/ndt_neighbors.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::registration {

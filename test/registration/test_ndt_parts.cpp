@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ndt_kernels.hpp"
-#include "ndt_parts.hpp"
+#include "ndt/ndt_kernels.hpp"
+#include "ndt/ndt_parts.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::registration {

@@ -10,7 +10,7 @@
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
 
-#include "ndt_kernels.hpp"
+#include "ndt/ndt_kernels.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::registration {

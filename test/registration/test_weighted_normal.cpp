@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "near.hpp"
-#include "voxel_target.hpp"
-#include "weighted_normal.hpp"
+#include "voxels/voxel_target.hpp"
+#include "voxels/weighted_normal.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drive/graph_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lidar_mapping/common/errors.hpp"
+
+#include "gnss/gnss_weights.hpp"
+#include "weights/edge_covariance.hpp"
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+/// Inserts a value into a list that is ordered by node. Returns false if the node has a value
+/// already.
+template <typename Value>
+bool insert_by_node(const Value& value, std::vector<Value>& list) {
+  const auto after = first_from(value.node, list);
+  if (after != list.end() && after->node == value.node) return false;
+  list.insert(after, value);
+  return true;
+}
+
+bool is_usable(const GnssPosition& position, const BackEndConfig& config) {
+  const Eigen::Matrix2d covariance = position.covariance.topLeftCorner<2, 2>();
+  if (!position.p_enu_antenna.head<2>().allFinite() || !position.p_base_antenna.allFinite()) {
+    return false;
+  }
+  if (!covariance.allFinite() || covariance(0, 0) <= 0.0 || covariance.determinant() <= 0.0) {
+    return false;
+  }
+  return horizontal_stddev(position, config) <= config.gnss_max_stddev_m;
+}
+
+void check_key_frame(const KeyFrame& key_frame, const DriveGraph& drive) {
+  if (!is_finite(key_frame.T_odom_base)) {
+    throw InputError("key frame " + std::to_string(key_frame.index) +
+                     " has a pose that is not finite; the front end must not send it");
+  }
+  if (drive.nodes.empty() || key_frame.index > drive.nodes.back().index) return;
+  throw InputError("key frame " + std::to_string(key_frame.index) + " follows key frame " +
+                   std::to_string(drive.nodes.back().index) + "; indices must increase over a run");
+}
+
+std::optional<int> position_of(KeyFrameIndex index, const DriveGraph& drive) {
+  const auto found = std::lower_bound(
+      drive.nodes.begin(), drive.nodes.end(), index,
+      [](const DriveNode& node, KeyFrameIndex wanted) { return node.index < wanted; });
+  if (found == drive.nodes.end() || found->index != index) return std::nullopt;
+  return static_cast<int>(found - drive.nodes.begin());
+}
+
+}  // namespace
+
+template <typename Value>
+void GraphBuilder::attach_or_store(const Value& value, PendingMeasurements<Value>& pending,
+                                   DriveGraph& drive) {
+  const auto found = at_stamp_.find(value.stamp);
+  if (found == at_stamp_.end()) {
+    pending.add(value.stamp, value);
+  } else {
+    attach(value, found->second, drive);
+  }
+}
+
+template <typename Value>
+void GraphBuilder::attach_pending(Stamp stamp, PendingMeasurements<Value>& pending,
+                                  DriveGraph& drive) {
+  if (const auto value = pending.extract(stamp)) attach(*value, at_stamp_.at(stamp), drive);
+}
+
+void GraphBuilder::attach(const GnssPosition& position, int node, DriveGraph& drive) {
+  if (insert_by_node(DriveGnss{position, node, false, false, false}, drive.gnss)) ++new_data.gnss;
+}
+void GraphBuilder::attach(const ImuSample& sample, int node, DriveGraph& drive) {
+  insert_by_node(DriveImu{sample, node}, drive.imu);
+}
+void GraphBuilder::attach(const Floor& floor, int node, DriveGraph& drive) {
+  insert_by_node(DriveFloor{floor, node}, drive.floors);
+}
+
+void GraphBuilder::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
+  check_key_frame(key_frame, drive);
+  const int position = static_cast<int>(drive.nodes.size());
+  DriveNode node;
+  node.index = key_frame.index;
+  node.stamp = key_frame.stamp;
+  node.T_odom_base = key_frame.T_odom_base;
+  node.T_map_base =
+      drive.nodes.empty() ? key_frame.T_odom_base : drive.T_map_odom() * key_frame.T_odom_base;
+  if (drive.nodes.empty()) drive.T_map_first = node.T_map_base;
+  node.connected = !drive.nodes.empty() && key_frame.segment == newest_segment_;
+  if (!node.connected) distance_in_segment_ = 0.0;
+  if (node.connected) {
+    const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
+    distance_in_segment_ += motion.translation.norm();
+    node.doubtful = key_frame.doubtful;
+    node.step_covariance =
+        step_covariance(key_frame.motion_covariance, motion, distance_in_segment_,
+                        key_frame.degenerate_directions, config_);
+  }
+  if (!node.connected) {
+    drive.segment_starts.push_back(position);
+    drive.in_enu.push_back(false);
+    drive.gnss_delays.push_back(config_.estimate_gnss_time_offset ? GnssDelay{}
+                                                                  : GnssDelay{0.0, 0.0});
+  }
+  node.segment = static_cast<int>(drive.segment_starts.size()) - 1;
+  newest_segment_ = key_frame.segment;
+  drive.nodes.push_back(node);
+  at_stamp_[node.stamp] = position;
+  attach_pending(node.stamp, pending_gnss_, drive);
+  attach_pending(node.stamp, pending_imu_, drive);
+  attach_pending(node.stamp, pending_floors_, drive);
+  ++new_data.key_frames;
+}
+
+bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
+  const std::optional<int> from = position_of(loop.from, drive);
+  const std::optional<int> to = position_of(loop.to, drive);
+  if (!from || !to || *from == *to) return false;
+  if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
+  const bool evaluated = loop.decision == LoopDecision::kRefuse;
+  drive.loops.push_back({loop, *from, *to, false, evaluated});
+  ++new_data.loops;
+  return true;
+}
+
+void GraphBuilder::add_gnss(const GnssPosition& position, DriveGraph& drive) {
+  if (!is_usable(position, config_)) {
+    ++drive.unusable_gnss;
+    return;
+  }
+  attach_or_store(position, pending_gnss_, drive);
+}
+
+void GraphBuilder::add_imu(const ImuSample& sample, DriveGraph& drive) {
+  const bool known = sample.linear_acceleration.allFinite() &&
+                     (!sample.orientation || sample.orientation->coeffs().allFinite());
+  if (known) attach_or_store(sample, pending_imu_, drive);
+}
+
+void GraphBuilder::add_floor(const Floor& floor, DriveGraph& drive) {
+  const bool known =
+      floor.normal.allFinite() && std::isfinite(floor.offset) && floor.covariance.allFinite();
+  if (floor.found && known) attach_or_store(floor, pending_floors_, drive);
+}
+
+}  // namespace lidar_mapping::back_end
