@@ -185,7 +185,7 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndUpgraded) {
 
 TEST(LoopFiles, ScansOfTheThirdVersionHaveNoElevationShift) {
   const TemporaryFolder folder;
-  Session::create_in(folder.path()).add_scan({5, "tracking", 0.1, 0.9, 0.0, 0, 0.25, 0.01});
+  Session::create_in(folder.path()).add_scan({5, "tracking", 0.1, 0.9, 0.0, 0, 0.25, 0.01, {}});
   execute(folder.path(),
           "ALTER TABLE scans DROP COLUMN elevation_shift; "
           "ALTER TABLE key_frames DROP COLUMN doubtful; "

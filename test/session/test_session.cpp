@@ -133,7 +133,7 @@ TEST(Session, ReturnsScansOdometryAndProperties) {
   EXPECT_FALSE(session.sensor_origin());
   session.set_sensor_origin({0.5, 0.0, 1.8});
   session.set_datum({48.123456789012, 11.5, 520.25});
-  session.add_scan({9, "tracking", 0.1, 0.9, 0.05, 3});
+  session.add_scan({9, "tracking", 0.1, 0.9, 0.05, 3, 0.0, 0.0, {}});
   session.add_odometry(9, example_key_frame(1).T_odom_base);
   session.set_configuration("back_end", "use_gnss: true\n# a sentence\nuse_loop_close: false\n");
 
