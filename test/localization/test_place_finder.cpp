@@ -39,7 +39,7 @@ class PlaceFinderTest : public testing::Test {
   }
   const Hypothesis* best() const { return finder_.hypotheses().best(); }
 
-  ScanSampler sampler_;
+  ScanPointSampler sampler_;
   MapMatcher matcher_;
   PlaceFinder finder_{town_map()};
 };

@@ -84,7 +84,8 @@ class DenseMap : public testing::Test {
     for (int i = 0; i < kScans; ++i) {
       const Pose T_odom_base = odometry(kPeriod * i);
       session_.add_odometry(stamp_of(i), T_odom_base);
-      session_.add_scan({stamp_of(i), i == kLost ? "lost" : "tracking", 0.0, 0.0, 0.0, 0});
+      session_.add_scan(
+          {stamp_of(i), i == kLost ? "lost" : "tracking", 0.0, 0.0, 0.0, 0, 0.0, 0.0, {}});
       if (i % kPerKeyFrame != 0) continue;
       KeyFrame key_frame;
       key_frame.index = static_cast<KeyFrameIndex>(poses_.poses.size());
