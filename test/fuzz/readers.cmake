@@ -5,6 +5,7 @@
 set(reader_sources
   ${readers_root}/src/pose_graph/files/binary_graph_reader.cpp
   ${readers_root}/src/pose_graph/files/g2o_file.cpp
+  ${readers_root}/src/common/csv.cpp
   ${readers_root}/src/common/input_file.cpp
   ${readers_root}/src/common/number_words.cpp
   ${readers_root}/src/common/pcd_header.cpp
@@ -87,13 +88,26 @@ set(reader_sources
 
 # A number beyond the range of the type that it is put into is no error of `undefined`.
 set(reader_sanitizers address,undefined,float-cast-overflow)
-set(reader_sanitizer_options -O1 -g1 -fno-omit-frame-pointer -ffp-contract=off
+set(reader_sanitizer_options -Og -g1 -fno-omit-frame-pointer -ffp-contract=off
   -fno-sanitize-recover=undefined,float-cast-overflow)
 
 function(lidar_mapping_sanitized_library name)
   add_library(${name} SHARED EXCLUDE_FROM_ALL ${reader_sources})
-  # Sources of many stages, which share more names than those of one.
-  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  # Those of a folder are compiled as one, but for those that share names there. (libFuzzer's project
+  # does not know which do.)
+  get_property(separate GLOBAL PROPERTY LIDAR_MAPPING_SEPARATE)
+  if(separate)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD_MODE GROUP)
+    foreach(source ${reader_sources})
+      if(NOT source IN_LIST separate)
+        get_filename_component(folder ${source} DIRECTORY)
+        string(MAKE_C_IDENTIFIER "${folder}" group)
+        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+      endif()
+    endforeach()
+  else()
+    set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
   target_compile_options(${name} PUBLIC -fsanitize=${reader_sanitizers} ${reader_sanitizer_options})
   # The checks of the sanitizers hide from GCC that what it warns of is never read.
   target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
