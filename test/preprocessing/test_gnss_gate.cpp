@@ -121,7 +121,8 @@ TEST(GnssTrack, DoesNotChangeLateStamps) {
     EXPECT_NEAR(outcome.ahead, -delay, 0.003) << delay;
     EXPECT_EQ(outcome.refused, 0U) << delay;
     EXPECT_GE(outcome.with_gnss, outcome.scans - 3) << delay;
-    const std::string correction = delay > 0.0 ? "gnss_time_offset -0.0" : "gnss_time_offset 0.0";
+    const std::string correction =
+        delay > 0.0 ? "gnss_time_offset to -0.0" : "gnss_time_offset to 0.0";
     EXPECT_NE(outcome.said.find("positions keep their stamps"), std::string::npos) << outcome.said;
     EXPECT_NE(outcome.said.find(correction), std::string::npos) << outcome.said;
   }
