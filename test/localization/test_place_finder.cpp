@@ -68,7 +68,7 @@ TEST_F(PlaceFinderTest, LooksAtAClaimedPoseFirst) {
   ASSERT_EQ(finder_.hypotheses().size(), 1U);
   EXPECT_EQ(best()->verifications(), 1);
   EXPECT_TRUE(near(best()->estimate().T_map_base, truth(), 0.15, 0.01));
-  EXPECT_EQ(finder_.reason(), "one place is possible, to be confirmed");
+  EXPECT_EQ(finder_.reason(), "one place is possible, but it is not confirmed yet");
 }
 
 TEST_F(PlaceFinderTest, CarriesAClaimAndPlacesAlongByOdometry) {
@@ -100,7 +100,7 @@ TEST_F(PlaceFinderTest, IsCertainInTheSecondSearchAtTheEarliest) {
 TEST_F(PlaceFinderTest, FindsNoPlaceForBareGround) {
   for (int scan = 1; scan <= 6; ++scan) EXPECT_FALSE(search(seen(9, ToyWorld())));
   EXPECT_EQ(best(), nullptr);
-  EXPECT_EQ(finder_.reason(), "no place of the map looks like this");
+  EXPECT_EQ(finder_.reason(), "no place in the map matches the scan");
 }
 
 TEST_F(PlaceFinderTest, BeginsAnewWithoutAnyKnowledge) {
