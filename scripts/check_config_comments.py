@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds the comments of configuration structs against the one description of their fields, the schema.
 
-A field's comment is its unit in brackets and the schema's sentence. `--fix` writes the comments anew.
+A field's comment is its unit in brackets and the schema's sentence. Angles are in radians in the struct, whatever
+their unit in files. `--fix` writes the comments anew.
 Usage: check_config_comments.py [--fix]
 """
 import re
@@ -14,7 +15,9 @@ ROOT = Path(__file__).resolve().parent.parent
 WIDTH = 100
 STRING = r'"(?:[^"\\]|\\.)*"'
 FIELD = re.compile(
-    r'\.(real|integer|boolean|text|reals|choice)\(\s*' + STRING + r'\s*,\s*&(?:\w+::)*?(\w+)::(\w+)\s*,')
+    r'\.(real|angle|integer|boolean|text|reals|choice)\(\s*' + STRING + r'\s*,\s*&(?:\w+::)*?(\w+)::(\w+)\s*,')
+# Units of angles: that of files to that of the field.
+RADIANS = {'deg': 'rad', 'deg/m': 'rad/m', 'deg per 100 m': 'rad/m'}
 ALIAS = re.compile(r'using (\w+) = (\w+Config);')
 MEMBER = re.compile(r'^  [\w:<>]+(?:<[\w:, ]+>)? (\w+)(?: = .*|\{.*)?;')
 
@@ -52,10 +55,13 @@ def descriptions(source):
     result = {}
     for match in FIELD.finditer(source):
         kind, struct, field = match.groups()
+        struct = aliases.get(struct, struct)
         texts = strings_of(arguments(source, match.end()))
-        has_unit = kind in ('real', 'integer', 'reals')
+        has_unit = kind in ('real', 'angle', 'integer', 'reals')
         unit = texts[0] if has_unit and len(texts) > 1 else ''
-        result[aliases.get(struct, struct), field] = (f'[{unit}] ' if unit else '') + texts[-1]
+        if kind == 'angle':
+            unit = RADIANS[unit]
+        result[struct, field] = (f'[{unit}] ' if unit else '') + texts[-1]
     return result
 
 

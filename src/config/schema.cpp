@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::config {
 
@@ -57,6 +59,13 @@ std::string read_value(const Value& value, const Range& range, double& field) {
   return problem;
 }
 
+std::string read_angle(const Value& value, const Range& range, double distance, double& field) {
+  double degrees = 0.0;
+  const std::string problem = read_value(value, range, degrees);
+  if (problem.empty()) field = degrees * kRadPerDeg / distance;
+  return problem;
+}
+
 std::string read_value(const Value& value, const Range& range, int& field) {
   const auto* integer = std::get_if<int>(&value.data);
   if (integer == nullptr) return "is not an integer";
@@ -103,6 +112,11 @@ std::string print_value(double field) {
   return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
 }
 
+std::string print_angle(double field, double distance) {
+  // The twelve digits of print_value() are without the rounding errors of the conversions.
+  return print_value(field * distance * kDegPerRad);
+}
+
 std::string print_value(int field) { return std::to_string(field); }
 
 std::string print_value(bool field) { return field ? "true" : "false"; }
@@ -129,6 +143,12 @@ std::string describe(const char* type, const Range& range) {
   if (std::isinf(range.max)) return std::string(type) + " of at least " + low;
   if (std::isinf(range.min)) return std::string(type) + " of at most " + high;
   return std::string(type) + " from " + low + " to " + high;
+}
+
+double distance_of_angle_unit(const std::string& unit) {
+  if (unit == "deg" || unit == "deg/m") return 1.0;
+  if (unit == "deg per 100 m") return 100.0;
+  throw InputError("'" + unit + "' is no unit of angles; use deg, deg/m or deg per 100 m");
 }
 
 std::string describe_choices(const std::vector<std::string>& names) {

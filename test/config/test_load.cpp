@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 
 #include "error_text.hpp"
@@ -154,6 +155,68 @@ TEST(Print, TextComesBackTheSameWhateverItHolds) {
     sample.topic = text;
     EXPECT_EQ(load_text(to_yaml(sample)).topic, text);
   }
+}
+
+struct Angles {
+  double tilt = 0.2 * kRadPerDeg;
+  double drift = 0.3 * kRadPerDeg;
+  double slow_drift = 1.1 * kRadPerDeg / 100.0;
+  static const Schema<Angles>& schema() {
+    static const auto schema =
+        Schema<Angles>("angles", "Angles")
+            .angle("tilt_deg", &Angles::tilt, {-90.0, 90.0}, "deg", "Tilt.")
+            .angle("drift_deg_per_m", &Angles::drift, {0.0, 10.0}, "deg/m", "Drift.")
+            .angle("drift_deg", &Angles::slow_drift, {0.0, 90.0}, "deg per 100 m", "Drift.");
+    return schema;
+  }
+};
+
+Angles load_angles(const std::string& text) { return load<Angles>({parse_yaml(text, "a.yaml")}); }
+
+void expect_same(const Angles& a, const Angles& b) {
+  EXPECT_EQ(a.tilt, b.tilt);
+  EXPECT_EQ(a.drift, b.drift);
+  EXPECT_EQ(a.slow_drift, b.slow_drift);
+}
+
+TEST(Angles, AreDegreesInFilesAndRadiansInTheStruct) {
+  const Angles angles = load_angles("tilt_deg: -20\ndrift_deg_per_m: 2.5\ndrift_deg: 10.0\n");
+  EXPECT_EQ(angles.tilt, -20.0 * kRadPerDeg);
+  EXPECT_EQ(angles.drift, 2.5 * kRadPerDeg);
+  EXPECT_DOUBLE_EQ(angles.slow_drift, 0.1 * kRadPerDeg) << "rad/m";
+}
+
+TEST(Angles, ComeBackTheSameAndAsTheyWereWritten) {
+  const Angles angles = load_angles("tilt_deg: 12.3\ndrift_deg_per_m: 0.07\ndrift_deg: 0.7\n");
+  const std::string text = to_yaml(angles);
+  for (const char* line :
+       {"\ntilt_deg: 12.3\n", "\ndrift_deg_per_m: 0.07\n", "\ndrift_deg: 0.7\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << text;
+  }
+  expect_same(load_angles(text), angles);
+}
+
+TEST(Angles, HaveTheirDefaultsInDegreesInDocumentsAndExactlyInFiles) {
+  EXPECT_EQ(to_yaml(Angles()),
+            "# Angles\n"
+            "\n# Tilt.\n# real number from -90 to 90, deg; default 0.2\ntilt_deg: 0.2\n"
+            "\n# Drift.\n# real number from 0 to 10, deg/m; default 0.3\ndrift_deg_per_m: 0.3\n"
+            "\n# Drift.\n# real number from 0 to 90, deg per 100 m; default 1.1\ndrift_deg: 1.1\n");
+  EXPECT_NE(to_markdown<Angles>().find("| `drift_deg` | `1.1` | real number from 0 to 90 | deg per "
+                                       "100 m | Drift. |\n"),
+            std::string::npos);
+  expect_same(load_angles(to_yaml(Angles())), Angles());
+}
+
+TEST(Angles, AreRefusedAsTheyWereWritten) {
+  const std::string problem = test::error_text<ConfigError>(
+      [] { load_angles("drift_deg: 90.5\ndrift_deg_per_m: fast\ntilt_deg: -91\n"); });
+  EXPECT_EQ(problem,
+            "a.yaml: drift_deg: 90.5 is out of range; allowed: real number from 0 to 90 (deg per "
+            "100 m)\n"
+            "a.yaml: drift_deg_per_m: fast is not a number; allowed: real number from 0 to 10 "
+            "(deg/m)\n"
+            "a.yaml: tilt_deg: -91 is out of range; allowed: real number from -90 to 90 (deg)");
 }
 
 TEST(Print, TableHasALinePerField) {

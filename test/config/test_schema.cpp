@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 
 namespace lidar_mapping::config {
@@ -47,6 +48,22 @@ TEST(ReadValue, TakesWholeNumbersForRealOnesButNotTheReverse) {
   EXPECT_EQ(read_value(Value{11}, {1.0, 10.0}, whole), "is out of range");
   EXPECT_EQ(read_value(Value{10}, {1.0, 10.0}, whole), "");
   EXPECT_EQ(whole, 10);
+}
+
+TEST(ReadAngle, TakesDegreesWithinTheRangeAndStoresRadians) {
+  const Range range{-90.0, 90.0};
+  double field = 0.0;
+  EXPECT_EQ(read_angle(Value{90}, range, 1.0, field), "");
+  EXPECT_DOUBLE_EQ(field, kPi / 2.0);
+  EXPECT_EQ(read_angle(Value{-0.2}, range, 1.0, field), "");
+  EXPECT_EQ(field, -0.2 * kRadPerDeg);
+  EXPECT_EQ(read_angle(Value{90.0}, range, 100.0, field), "");
+  EXPECT_DOUBLE_EQ(field, kPi / 200.0) << "a quarter of a turn in 100 m";
+  field = 7.0;
+  EXPECT_EQ(read_angle(Value{90.001}, range, 1.0, field), "is out of range");
+  EXPECT_EQ(read_angle(Value{90.001}, range, 100.0, field), "is out of range");
+  EXPECT_EQ(read_angle(word("steep"), range, 1.0, field), "is not a number");
+  EXPECT_EQ(field, 7.0) << "it is left as it is";
 }
 
 TEST(ReadValue, RefusesWhatIsNoNumber) {
@@ -97,6 +114,40 @@ TEST(PrintValue, KeepsTwelveDigits) {
   double again = 0.0;
   EXPECT_EQ(read_value(flattened(source.values).at("a"), {}, again), "");
   EXPECT_EQ(again, number);
+}
+
+// Many of these angles come back from the conversions with another last bit.
+TEST(PrintAngle, GivesTheDegreesThatWereRead) {
+  int inexact = 0;
+  for (int i = -36000; i <= 36000; ++i) {
+    const double degrees = i / 100.0;
+    for (const double distance : {1.0, 100.0}) {
+      double field = 0.0, again = 0.0;
+      ASSERT_EQ(read_angle(Value{degrees}, {}, distance, field), "");
+      const std::string text = print_angle(field, distance);
+      ASSERT_EQ(text, print_value(degrees));
+      ASSERT_EQ(read_angle(Value{std::stod(text)}, {}, distance, again), "");
+      ASSERT_EQ(again, field);
+      inexact += field * distance * kDegPerRad != degrees ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inexact, 1000) << "with all digits these would be printed otherwise";
+}
+
+TEST(PrintAngle, GivesTheDegreesOfConstants) {
+  EXPECT_EQ(print_angle(0.2 * kRadPerDeg, 1.0), "0.2");
+  EXPECT_EQ(print_angle(-kPi, 1.0), "-180.0");
+  EXPECT_EQ(print_angle(0.0, 1.0), "0.0");
+  EXPECT_EQ(print_angle(1.5 * kRadPerDeg / 100.0, 100.0), "1.5");
+}
+
+TEST(DistanceOfAngleUnit, IsThatOfTheUnitsThatThereAre) {
+  EXPECT_EQ(distance_of_angle_unit("deg"), 1.0);
+  EXPECT_EQ(distance_of_angle_unit("deg/m"), 1.0);
+  EXPECT_EQ(distance_of_angle_unit("deg per 100 m"), 100.0);
+  for (const char* unit : {"rad", "degrees", "deg/s", ""}) {
+    EXPECT_THROW(distance_of_angle_unit(unit), InputError) << unit;
+  }
 }
 
 TEST(PrintValue, QuotesTexts) {

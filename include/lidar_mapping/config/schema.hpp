@@ -14,8 +14,8 @@ namespace lidar_mapping::config {
 
 /// Allowed values of a number, both ends included.
 struct Range {
-  double min = -std::numeric_limits<double>::infinity();  ///< least value, unit of the field
-  double max = std::numeric_limits<double>::infinity();   ///< greatest value, unit of the field
+  double min = -std::numeric_limits<double>::infinity();  ///< least value, in the unit of files
+  double max = std::numeric_limits<double>::infinity();   ///< greatest value, in the unit of files
 };
 
 /// What a person has to know about one field.
@@ -32,6 +32,9 @@ struct FieldDescription {
 
 /// Reads a number, whole or not, or three times the same one, within the range.
 std::string read_value(const Value& value, const Range& range, double& field);
+/// Reads an angle in degrees, or in degrees for every `distance` (m), within the range in the same
+/// unit; the field is in rad or rad/m.
+std::string read_angle(const Value& value, const Range& range, double distance, double& field);
 /// Reads a whole number within the range.
 std::string read_value(const Value& value, const Range& range, int& field);
 /// Reads true or false.
@@ -45,6 +48,8 @@ std::string read_value(const Value& value, std::size_t size, std::vector<double>
 
 /// A number, always with a point, an exponent or as .inf, -.inf, .nan.
 std::string print_value(double field);
+/// An angle in rad or rad/m as read_angle() reads it.
+std::string print_angle(double field, double distance);
 /// A whole number.
 std::string print_value(int field);
 /// true or false.
@@ -56,6 +61,9 @@ std::string print_value(const std::vector<double>& field);
 
 /// Allowed values in words: "integer from 1 to 256"; the type alone if it has no limits.
 std::string describe(const char* type, const Range& range);
+/// The distance (m) in a unit that files have for angles: 100 in "deg per 100 m", 1 in "deg/m" and,
+/// because there is none to divide by, in "deg". Throws InputError for other units.
+double distance_of_angle_unit(const std::string& unit);
 /// Allowed words: "NDT, ICP or GICP". Words that differ by capital letters alone are named once.
 std::string describe_choices(const std::vector<std::string>& choices);
 
@@ -74,6 +82,16 @@ class Schema {
   Schema& real(const std::string& name, double Config::*field, Range range, const std::string& unit,
                const std::string& meaning) {
     return add_value({name, "", describe("real number", range), unit, meaning}, field, range);
+  }
+  /// A field with an angle in rad, or with an angle per distance in rad/m. Files, messages and
+  /// `range` have it in `unit`: "deg", "deg/m" or "deg per 100 m".
+  Schema& angle(const std::string& name, double Config::*field, Range range,
+                const std::string& unit, const std::string& meaning) {
+    const double distance = distance_of_angle_unit(unit);
+    return add(
+        {name, "", describe("real number", range), unit, meaning},
+        [=](Config& c, const Value& v) { return read_angle(v, range, distance, c.*field); },
+        [=](const Config& c) { return print_angle(c.*field, distance); });
   }
   /// A field with a whole number.
   Schema& integer(const std::string& name, int Config::*field, Range range, const std::string& unit,
