@@ -51,8 +51,8 @@ void add_time(Schema& schema) {
               {{"CLOCKWISE", ScanDirection::kClockwise},
                {"COUNTERCLOCKWISE", ScanDirection::kCounterclockwise}},
               "How the sensor turns, seen from above (point_times AZIMUTH).")
-      .real("scan_start_azimuth_deg", &Config::scan_start_azimuth_deg, {-360.0, 360.0}, "deg",
-            "Azimuth at which a scan begins, from x towards y (point_times AZIMUTH).")
+      .angle("scan_start_azimuth_deg", &Config::scan_start_azimuth, {-360.0, 360.0}, "deg",
+             "Azimuth at which a scan begins, from x towards y (point_times AZIMUTH).")
       .real("max_latency", &Config::max_latency, {0.0, 10.0}, "s",
             "How long, in the time of the data, a scan waits for samples of the other sensors.")
       .real("imu_max_gap", &Config::imu_max_gap, {0.001, 10.0}, "s",
@@ -90,8 +90,8 @@ void add_points(Schema& schema) {
             "Calibration file of Hesai's driver (CSV: channel, elevation, azimuth) for packets of "
             "a Hesai; without it that which the driver records beside the packets is used, or else "
             "the nominal angles of the model.")
-      .real("vertical_angle_correction_deg", &Config::vertical_angle_correction_deg, {-5.0, 5.0},
-            "deg", "Turns every beam upwards (0.205 for the HDL-64E of KITTI).")
+      .angle("vertical_angle_correction_deg", &Config::vertical_angle_correction, {-5.0, 5.0},
+             "deg", "Turns every beam upwards (0.205 deg for the HDL-64E of KITTI).")
       .choice("downsample_method", &Config::downsample_method,
               {{"NONE", DownsampleMethod::kNone},
                {"VOXELGRID", DownsampleMethod::kVoxelGrid},

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
@@ -217,9 +216,9 @@ class Preprocessor::Impl {
 
   PointCloud filtered_cloud(WaitingScan scan, const Pose& T_base_lidar, SyncedScan& synced) {
     PointCloud& cloud = scan.raw.cloud;
-    if (config_.vertical_angle_correction_deg != 0.0) {
+    if (config_.vertical_angle_correction != 0.0) {
       scan.raw.unpack();
-      rotate_upwards(cloud, config_.vertical_angle_correction_deg * kRadPerDeg);
+      rotate_upwards(cloud, config_.vertical_angle_correction);
     }
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {

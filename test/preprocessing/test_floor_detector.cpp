@@ -95,7 +95,7 @@ struct TiltedSensor {
   Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 8);
 
   TiltedSensor() {
-    config.tilt_deg = 20.0;
+    config.tilt = 20.0 * kDegree;
     scan.cloud = transformed(scan.cloud, Pose{R_level_base.conjugate(), Eigen::Vector3d::Zero()});
   }
 };
@@ -151,10 +151,10 @@ TEST(FloorDetector, RejectsTooFewPointsAndSteepPlanes) {
 TEST(FloorDetector, LeavesOutPlacesThatAreNotLevelIfTold) {
   const auto bank = [](double x) { return 0.7 * std::max(0.0, x - 6.0); };
   const Scan scan = scan_of_road(bank, 16);
-  const auto points_on_bank = [&](bool use_normal_filtering, double normal_filter_thresh) {
+  const auto points_on_bank = [&](bool use_normal_filtering, double degrees) {
     FloorDetectionConfig config;
     config.use_normal_filtering = use_normal_filtering;
-    config.normal_filter_thresh = normal_filter_thresh;
+    config.normal_filter_thresh = degrees * kDegree;
     FloorPoints points;
     FloorDetector(config).process(scan, &points);
     return std::count_if(points.filtered.points.begin(), points.filtered.points.end(),

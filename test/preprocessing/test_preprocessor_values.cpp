@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "near.hpp"
 #include "straight_drive.hpp"
 
@@ -323,7 +325,7 @@ PointCloud cloud_of(const PreprocessingConfig& config, RawScan scan) {
 TEST(Preprocessor, TreatsPackedPointsLikeOthers) {
   std::vector<PreprocessingConfig> configs(3);
   configs[1].point_times = PointTimes::kAzimuth;
-  configs[2].vertical_angle_correction_deg = 0.205;
+  configs[2].vertical_angle_correction = 0.205 * kRadPerDeg;
   const RawScan read = ring_scan(at(0.0));
   for (const PreprocessingConfig& config : configs) {
     const auto memory = std::make_shared<const std::vector<Point>>(read.cloud.points);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
@@ -117,11 +118,11 @@ TEST(ScanTimes, FollowTheAzimuthInBothDirections) {
       PreprocessingConfig config;
       config.point_times = PointTimes::kAzimuth;
       config.scan_direction = direction;
-      config.scan_start_azimuth_deg = start_deg;
+      config.scan_start_azimuth = start_deg * kRadPerDeg;
       PointCloud cloud;
       for (int i = 0; i < 360; ++i) {
         const double sign = direction == ScanDirection::kClockwise ? -1.0 : 1.0;
-        const double azimuth = start_deg * M_PI / 180.0 + sign * 2.0 * M_PI * (i + 0.5) / 360.0;
+        const double azimuth = config.scan_start_azimuth + sign * 2.0 * M_PI * (i + 0.5) / 360.0;
         cloud.points.push_back({static_cast<float>(10.0 * std::cos(azimuth)),
                                 static_cast<float>(10.0 * std::sin(azimuth)), 0.0F, 0.0F});
       }

@@ -101,8 +101,8 @@ struct PreprocessingConfig {
   PointTimeUnit point_time_unit = PointTimeUnit::kAuto;
   /// How the sensor turns, seen from above (point_times AZIMUTH).
   ScanDirection scan_direction = ScanDirection::kClockwise;
-  /// [deg] Azimuth at which a scan begins, from x towards y (point_times AZIMUTH).
-  double scan_start_azimuth_deg = 180.0;
+  /// [rad] Azimuth at which a scan begins, from x towards y (point_times AZIMUTH).
+  double scan_start_azimuth = 180.0 * kRadPerDeg;
   /// [s] How long, in the time of the data, a scan waits for samples of the other sensors.
   double max_latency = 0.3;
   /// [s] Longest distance of two IMU samples between which values are interpolated.
@@ -138,8 +138,8 @@ struct PreprocessingConfig {
   /// without it that which the driver records beside the packets is used, or else the nominal
   /// angles of the model.
   std::string hesai_calibration;
-  /// [deg] Turns every beam upwards (0.205 for the HDL-64E of KITTI).
-  double vertical_angle_correction_deg = 0.0;
+  /// [rad] Turns every beam upwards (0.205 deg for the HDL-64E of KITTI).
+  double vertical_angle_correction = 0.0;
   /// Thins the scan: to the mean of each voxel, or (faster) to its first point.
   DownsampleMethod downsample_method = DownsampleMethod::kNone;
   /// [m] Edge of a voxel.

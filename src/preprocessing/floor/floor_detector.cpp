@@ -161,14 +161,11 @@ Floor FloorDetector::process(const Scan& scan, FloorPoints* output) const {
   Floor floor;
   floor.stamp = scan.stamp;
   const auto min_points = static_cast<std::size_t>(config_.floor_pts_thresh);
-  const double max_lean = config_.floor_normal_thresh * kRadPerDeg;
-  const Eigen::Quaterniond R_level_base =
-      exp_so3(Eigen::Vector3d(0.0, config_.tilt_deg * kRadPerDeg, 0.0));
+  const double max_lean = config_.floor_normal_thresh;
+  const Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, config_.tilt, 0.0));
 
   Points points = clipped(scan.cloud, R_level_base.toRotationMatrix(), config_);
-  if (config_.use_normal_filtering) {
-    points = level_cells(points, config_.normal_filter_thresh * kRadPerDeg);
-  }
+  if (config_.use_normal_filtering) points = level_cells(points, config_.normal_filter_thresh);
   if (output != nullptr) *output = {cloud_of(points, R_level_base), {}};
   if (points.size() < min_points) return floor;
   const auto found = search_plane(points, config_.floor_distance_thresh, max_lean);

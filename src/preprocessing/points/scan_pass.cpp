@@ -140,7 +140,7 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
 void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config) {
   const double sign = config.scan_direction == ScanDirection::kClockwise ? -1.0 : 1.0;
   const auto turns_per_radian = static_cast<float>(sign / (2.0 * kPi));
-  const auto start = static_cast<float>(sign * config.scan_start_azimuth_deg / 360.0);
+  const auto start = static_cast<float>(sign * config.scan_start_azimuth / (2.0 * kPi));
   const auto period = static_cast<float>(config.scan_period);
   cloud.times.resize(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
