@@ -36,8 +36,8 @@ void describe_search(config::Schema<Config>& schema) {
       .real("vertical_drift", &Config::vertical_drift, {0.0, 0.2}, "m/m",
             "Standard deviation of the height after 1 km; it grows with the power 1.5 of the "
             "distance.")
-      .real("rotation_drift_deg", &Config::rotation_drift_deg, {0.0, 90.0}, "deg per 100 m",
-            "Standard deviation of the estimate's rotation drift per distance travelled.")
+      .angle("rotation_drift_deg", &Config::rotation_drift, {0.0, 90.0}, "deg per 100 m",
+             "Standard deviation of the estimate's rotation drift per distance travelled.")
       .integer("max_registrations", &Config::max_registrations, {1, 50}, "",
                "How many of the best candidates of one search are matched at most; if the estimate "
                "is certain to about a metre, the first accepted one ends the search.");

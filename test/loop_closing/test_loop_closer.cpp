@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 
 #include "drive.hpp"
@@ -156,7 +157,7 @@ DriveOutcome drive_without_estimate() {
       along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {60, 0}, {120, 0}, {120, 60}});
   LoopClosingConfig config;
   config.horizontal_drift = 0.2;
-  config.rotation_drift_deg = 20.0;
+  config.rotation_drift = 20.0 * kRadPerDeg / 100.0;
   return drive(world, truth, drifting(truth, 1.01, 1e-4), config);
 }
 

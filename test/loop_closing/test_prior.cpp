@@ -39,7 +39,7 @@ TEST(Prior, IsTheRelativePoseWithTheDriftOfItsDistance) {
   LoopClosingConfig config;
   config.horizontal_drift = 0.02;
   config.vertical_drift = 0.003;
-  config.rotation_drift_deg = 1.5;
+  config.rotation_drift = 1.5 * kRadPerDeg / 100.0;
   const Road road(26);
   const Prior prior = road.prior(0, 25, config);
   EXPECT_TRUE(prior.anchored);
@@ -60,7 +60,7 @@ TEST(Prior, IsUnknownForUnconnectedSegments) {
 
 TEST(Prior, HasAHeadingWithinHalfATurn) {
   LoopClosingConfig config;
-  config.rotation_drift_deg = 100.0;
+  config.rotation_drift = kRadPerDeg;  // a turn in 360 m
   EXPECT_NEAR(Road(30).prior(0, 29, config).sigma_rotation, kPi, 1e-12);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/schema.hpp"
 #include "lidar_mapping/registration/registration_config.hpp"
 
@@ -52,8 +53,8 @@ struct LoopClosingConfig {
   /// [m/m] Standard deviation of the height after 1 km; it grows with the power 1.5 of the
   /// distance.
   double vertical_drift = 0.003;
-  /// [deg per 100 m] Standard deviation of the estimate's rotation drift per distance travelled.
-  double rotation_drift_deg = 1.0;
+  /// [rad/m] Standard deviation of the estimate's rotation drift per distance travelled.
+  double rotation_drift = 1.0 * kRadPerDeg / 100.0;
   /// How many of the best candidates of one search are matched at most; if the estimate is certain
   /// to about a metre, the first accepted one ends the search.
   int max_registrations = 2;

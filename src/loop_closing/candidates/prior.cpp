@@ -27,8 +27,6 @@ constexpr double kMinGnssSigma = 1.0;        // m; chosen: receivers are worse t
 // after kilometres. The distance at which vertical_drift holds, by its definition.
 constexpr double kVerticalDriftDistance = 1000.0;  // m
 
-double degrees_per_100m(double value) { return value * kRadPerDeg / 100.0; }
-
 /// Horizontal position of base_link, or of the antenna if there is no heading.
 Eigen::Vector2d gnss_position(const GnssPosition& position) {
   const std::optional<Pose> T_enu_base = position.T_enu_base();
@@ -63,7 +61,7 @@ Prior prior_between(const Trajectory& trajectory, const GraphDistance& graph_dis
     prior.sigma_horizontal = config.horizontal_drift * path_length;
     prior.sigma_vertical =
         config.vertical_drift * path_length * std::sqrt(path_length / kVerticalDriftDistance);
-    prior.sigma_rotation = std::min(degrees_per_100m(config.rotation_drift_deg) * path_length, kPi);
+    prior.sigma_rotation = std::min(config.rotation_drift * path_length, kPi);
   }
   prior.height_jumps = trajectory[to].height_jumps - trajectory[from].height_jumps;
   const auto& a = trajectory[from].gnss;
