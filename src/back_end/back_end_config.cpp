@@ -52,19 +52,19 @@ void add_odometry_and_loops(config::Schema<Config>& schema) {
           "odometry_drift", &Config::odometry_drift, {0.0, 1.0}, "fraction of the distance",
           "Upper limit of the standard deviation that drift adds to a motion's translation. Where "
           "positions show less drift, this and the next three are reduced, but not below a tenth.")
-      .real("odometry_drift_deg_per_m", &Config::odometry_drift_deg_per_m, {0.0, 10.0}, "deg/m",
-            "Standard deviation that drift adds to a motion's rotation.")
+      .angle("odometry_drift_deg_per_m", &Config::odometry_rotation_drift, {0.0, 10.0}, "deg/m",
+             "Standard deviation that drift adds to a motion's rotation.")
       .real("odometry_min_stddev_m", &Config::odometry_min_stddev_m, kStddev, "m",
             "Added to the covariance of every motion.")
-      .real("odometry_min_stddev_deg", &Config::odometry_min_stddev_deg, kStddev, "deg",
-            "Added to the covariance of every motion.")
+      .angle("odometry_min_stddev_deg", &Config::odometry_min_stddev_rad, kStddev, "deg",
+             "Added to the covariance of every motion.")
       .real("odometry_degenerate_drift", &Config::odometry_degenerate_drift, {0.0, 10.0},
             "fraction of the distance",
             "Standard deviation added along directions that matching could not observe.")
       .real("loop_min_stddev_m", &Config::loop_min_stddev_m, kStddev, "m",
             "Added to the covariance of every loop.")
-      .real("loop_min_stddev_deg", &Config::loop_min_stddev_deg, kStddev, "deg",
-            "Added to the covariance of every loop.")
+      .angle("loop_min_stddev_deg", &Config::loop_min_stddev_rad, kStddev, "deg",
+             "Added to the covariance of every loop.")
       .boolean("fix_first_node", &Config::fix_first_node,
                "Give the first key frame a prior with fix_first_node_stddev, instead of one that "
                "depends on the other constraints.")
@@ -109,9 +109,9 @@ void add_gnss(config::Schema<Config>& schema) {
             "one fix.")
       .real("gnss_alignment_distance", &Config::gnss_alignment_distance, {1.0, 1e5}, "m",
             "Least extent of the track before it is aligned to East-North-Up.")
-      .real("gnss_alignment_stddev_deg", &Config::gnss_alignment_stddev_deg, {0.01, 10.0}, "deg",
-            "Largest standard deviation of the heading with which the track is aligned to "
-            "East-North-Up.")
+      .angle("gnss_alignment_stddev_deg", &Config::gnss_alignment_stddev, {0.01, 10.0}, "deg",
+             "Largest standard deviation of the heading with which the track is aligned to "
+             "East-North-Up.")
       .boolean("estimate_gnss_time_offset", &Config::estimate_gnss_time_offset,
                "Correct GNSS stamps that are late or early relative to odometry.");
 }
@@ -125,14 +125,14 @@ void add_imu_and_floor(config::Schema<Config>& schema) {
                "true heading.")
       .boolean("enable_imu_acceleration", &Config::enable_imu_acceleration,
                "Whether the measured acceleration, as gravity, keeps the map level.")
-      .real("imu_orientation_stddev_deg", &Config::imu_orientation_stddev_deg, kStddev, "deg",
-            "Upper limit of the standard deviation of the tilt at one key frame. It is reduced, "
-            "but not below a quarter, where the tilt agrees with odometry.")
-      .real("imu_heading_stddev_deg", &Config::imu_heading_stddev_deg, kStddev, "deg",
-            "Standard deviation of the heading at one key frame; larger than that of the IMU, "
-            "because neighbours have errors in common.")
-      .real(
-          "imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev_deg, kStddev, "deg",
+      .angle("imu_orientation_stddev_deg", &Config::imu_orientation_stddev, kStddev, "deg",
+             "Upper limit of the standard deviation of the tilt at one key frame. It is reduced, "
+             "but not below a quarter, where the tilt agrees with odometry.")
+      .angle("imu_heading_stddev_deg", &Config::imu_heading_stddev, kStddev, "deg",
+             "Standard deviation of the heading at one key frame; larger than that of the IMU, "
+             "because neighbours have errors in common.")
+      .angle(
+          "imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev, kStddev, "deg",
           "Standard deviation of the vertical by acceleration at one key frame; motion adds to it.")
       .choice("floor_constraint", &Config::floor_constraint,
               {{"none", FloorConstraint::kNone},
@@ -140,8 +140,8 @@ void add_imu_and_floor(config::Schema<Config>& schema) {
                {"plane", FloorConstraint::kPlane}},
               "Floors of successive key frames as one plane each (safe on slopes), or all floors "
               "as a single plane (flat halls).")
-      .real("floor_stddev_deg", &Config::floor_stddev_deg, kStddev, "deg",
-            "How much the slope of the floor differs from the plane, added to its covariance.")
+      .angle("floor_stddev_deg", &Config::floor_stddev_rad, kStddev, "deg",
+             "How much the slope of the floor differs from the plane, added to its covariance.")
       .real("floor_stddev_m", &Config::floor_stddev_m, kStddev, "m",
             "How much the height of the floor differs from the plane, added to its covariance.");
 }

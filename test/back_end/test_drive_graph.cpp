@@ -82,9 +82,9 @@ class Motion : public testing::Test {
     drive_.nodes[1].T_odom_base = {left, {10.0, 2.0, 0.0}};
     config_.odometry_min_stddev_m = 0.3;
     config_.odometry_drift = 0.2;
-    config_.odometry_min_stddev_deg = 3.0;
-    config_.odometry_drift_deg_per_m = 2.0;
-    config_.floor_stddev_deg = 0.0;
+    config_.odometry_min_stddev_rad = 3.0 * kRadPerDeg;
+    config_.odometry_rotation_drift = 2.0 * kRadPerDeg;
+    config_.floor_stddev_rad = 0.0;
   }
   void add_floor(int node, double sigma_x, double sigma_y) {
     Floor floor;

@@ -112,9 +112,9 @@ TEST(DriveResults, TheGraphHasTheMotionsAndTheLoopsThatAreUsed) {
   add_loop(drive, 2, 6, true, true);
   drive.loops[2].loop.covariance = diagonal_covariance(2.0, 0.5);
   BackEndConfig config;
-  config.loop_min_stddev_m = config.loop_min_stddev_deg = 0.0;
-  config.odometry_min_stddev_m = config.odometry_min_stddev_deg = 0.0;
-  config.odometry_drift = config.odometry_drift_deg_per_m = 0.0;
+  config.loop_min_stddev_m = config.loop_min_stddev_rad = 0.0;
+  config.odometry_min_stddev_m = config.odometry_min_stddev_rad = 0.0;
+  config.odometry_drift = config.odometry_rotation_drift = 0.0;
   const pose_graph::PoseGraph graph = pose_graph_of(drive, config);
   EXPECT_FALSE(graph.planar);
   ASSERT_EQ(graph.nodes.size(), 10U);

@@ -108,7 +108,7 @@ SyntheticDrive exact_lap() {
 BackEndConfig without_drift() {
   BackEndConfig config;
   config.odometry_drift = 0.0;
-  config.odometry_drift_deg_per_m = 0.0;
+  config.odometry_rotation_drift = 0.0;
   return config;
 }
 

@@ -140,7 +140,7 @@ TEST_F(GnssFactors, AreLeftOutWhereNothingIsMeasured) {
 
 TEST_F(GnssFactors, HaveHeadingsThatCameWithThem) {
   drive({0.0, 12.0, 30.0});
-  config_.imu_heading_stddev_deg = 2.0;
+  config_.imu_heading_stddev = 2.0 * kRadPerDeg;
   drive_.gnss[1].position.R_enu_base = exp_so3({0.0, 0.0, 6.0 * kRadPerDeg});
   pose_graph::FactorGraph graph;
   for (const DriveNode& node : drive_.nodes) graph.add_node(node.T_map_base);

@@ -82,26 +82,25 @@ TEST(TiltScatter, IncludesAMountingErrorOfTheImu) {
   const auto aslant = [](std::size_t i) {
     return Eigen::Vector3d(std::cos(heading(i)), std::sin(heading(i)), 0.0);
   };
-  EXPECT_DOUBLE_EQ(stddev_deg(round_drive(1000, aslant), config),
-                   config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(tilt_stddev(round_drive(1000, aslant), config), config.imu_orientation_stddev);
 }
 
 TEST(TiltScatter, HasALowerBound) {
   const BackEndConfig config;
   const auto nothing = [](std::size_t) { return Eigen::Vector3d(0.0, 0.0, 0.0); };
-  EXPECT_DOUBLE_EQ(stddev_deg(round_drive(1000, nothing), config),
-                   0.25 * config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(tilt_stddev(round_drive(1000, nothing), config),
+                   0.25 * config.imu_orientation_stddev);
 }
 
 TEST(TiltScatter, IsAsConfiguredIfOnlyOdometryDeterminesTheHeight) {
   BackEndConfig config;
   DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
   drive.loops.front().evaluated = true;  // evaluated and not used
-  EXPECT_DOUBLE_EQ(stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(tilt_stddev(drive, config), config.imu_orientation_stddev);
   drive.gnss.emplace_back();
   EXPECT_LT(stddev_deg(drive, config), 1.2);
   config.georeference_only = true;
-  EXPECT_DOUBLE_EQ(stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(tilt_stddev(drive, config), config.imu_orientation_stddev);
 }
 
 TEST(TiltScatter, WeightsTheTiltWithoutChangingTheParameter) {
@@ -123,9 +122,9 @@ TEST(TiltScatter, WeightsTheTiltWithoutChangingTheParameter) {
   }
   test::add_lap_loops(back_end, laps, 400, 5, engine);
   const auto problem = back_end.problem(true);
-  EXPECT_EQ(problem->config.imu_orientation_stddev_deg, config.imu_orientation_stddev_deg);
+  EXPECT_EQ(problem->config.imu_orientation_stddev, config.imu_orientation_stddev);
   ASSERT_TRUE(problem->drive.tilt_stddev);
-  EXPECT_LT(*problem->drive.tilt_stddev, config.imu_orientation_stddev_deg * kDeg);
+  EXPECT_LT(*problem->drive.tilt_stddev, config.imu_orientation_stddev);
 }
 
 TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {
@@ -136,14 +135,14 @@ TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {
     drive.nodes[i].T_odom_base.rotation *= undone;
     *drive.imu[i].sample.orientation *= undone;
   }
-  EXPECT_DOUBLE_EQ(stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(tilt_stddev(drive, config), config.imu_orientation_stddev);
 }
 
 TEST(TiltScatter, IsAsConfiguredForShortDrives) {
   const BackEndConfig config;
-  EXPECT_DOUBLE_EQ(stddev_deg(round_drive(100, noise(0.1, 0.0)), config),
-                   config.imu_orientation_stddev_deg);
-  EXPECT_DOUBLE_EQ(stddev_deg({}, config), config.imu_orientation_stddev_deg);
+  EXPECT_DOUBLE_EQ(tilt_stddev(round_drive(100, noise(0.1, 0.0)), config),
+                   config.imu_orientation_stddev);
+  EXPECT_DOUBLE_EQ(tilt_stddev({}, config), config.imu_orientation_stddev);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
   // The heading of such an orientation is arbitrary.
   const SyntheticDrive drive = tilting_drive();
   BackEndConfig config;
-  config.imu_orientation_stddev_deg = 0.5;
+  config.imu_orientation_stddev = 0.5 * kDeg;
   BackEnd back_end(config);
   feed(back_end, drive);
   EXPECT_GT(mean_tilt_error(back_end, drive), 1.0 * kDeg);
@@ -105,7 +105,7 @@ TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
   for (const double sign : {1.0, -1.0}) {
     BackEndConfig config;
     config.enable_imu_acceleration = true;
-    config.imu_acceleration_stddev_deg = 0.5;
+    config.imu_acceleration_stddev = 0.5 * kDeg;
     BackEnd back_end(config);
     feed(back_end, drive);
     for (std::size_t i = 0; i < drive.truth.size(); ++i) {
@@ -127,7 +127,7 @@ TEST(Imu, HeadingsWithPositionsRotateTheGraph) {
   const auto error_with = [&](bool headings) {
     BackEndConfig config;
     config.enable_imu_heading = headings;
-    config.imu_heading_stddev_deg = 0.5;
+    config.imu_heading_stddev = 0.5 * kDeg;
     BackEnd back_end(config);
     feed(back_end, drive);
     std::mt19937 engine(2);
@@ -157,7 +157,7 @@ Floor floor_at(const SyntheticDrive& drive, std::size_t i, const Eigen::Vector3d
 
 double height_error_with(FloorConstraint constraint, const SyntheticDrive& drive, double slope) {
   BackEndConfig config;
-  config.floor_stddev_deg = 0.02;  // as even as the floor of a hall
+  config.floor_stddev_rad = 0.02 * kDeg;  // as even as the floor of a hall
   config.floor_constraint = constraint;
   BackEnd back_end(config);
   feed(back_end, drive);

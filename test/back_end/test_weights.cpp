@@ -5,6 +5,7 @@
 
 #include <ceres/loss_function.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"
@@ -105,8 +106,8 @@ TEST(Weights, ConstantAndFitnessWeightsCanBeConfigured) {
 TEST(Weights, ChiSquareMatchesTheDegreesOfFreedom) {
   BackEndConfig config;
   config.odometry_min_stddev_m = config.loop_min_stddev_m = 1e-6;
-  config.odometry_min_stddev_deg = config.loop_min_stddev_deg = 1e-6;
-  config.odometry_drift = config.odometry_drift_deg_per_m = 0.0;
+  config.odometry_min_stddev_rad = config.loop_min_stddev_rad = 1e-6 * kRadPerDeg;
+  config.odometry_drift = config.odometry_rotation_drift = 0.0;
   test::DriveSettings settings;
   settings.scale_error = settings.turn_bias_deg = 0.0;
   const test::SyntheticDrive drive = test::make_drive(settings);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/schema.hpp"
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
@@ -37,19 +38,19 @@ struct BackEndConfig {
   /// translation. Where positions show less drift, this and the next three are reduced, but not
   /// below a tenth.
   double odometry_drift = 0.005;
-  /// [deg/m] Standard deviation that drift adds to a motion's rotation.
-  double odometry_drift_deg_per_m = 0.02;
+  /// [rad/m] Standard deviation that drift adds to a motion's rotation.
+  double odometry_rotation_drift = 0.02 * kRadPerDeg;
   /// [m] Added to the covariance of every motion.
   double odometry_min_stddev_m = 0.0025;
-  /// [deg] Added to the covariance of every motion.
-  double odometry_min_stddev_deg = 0.02;
+  /// [rad] Added to the covariance of every motion.
+  double odometry_min_stddev_rad = 0.02 * kRadPerDeg;
   /// [fraction of the distance] Standard deviation added along directions that matching could not
   /// observe.
   double odometry_degenerate_drift = 0.2;
   /// [m] Added to the covariance of every loop.
   double loop_min_stddev_m = 0.02;
-  /// [deg] Added to the covariance of every loop.
-  double loop_min_stddev_deg = 0.1;
+  /// [rad] Added to the covariance of every loop.
+  double loop_min_stddev_rad = 0.1 * kRadPerDeg;
 
   /// Give the first key frame a prior with fix_first_node_stddev, instead of one that depends on
   /// the other constraints.
@@ -91,9 +92,9 @@ struct BackEndConfig {
   double gnss_correlation_distance = 10.0;
   /// [m] Least extent of the track before it is aligned to East-North-Up.
   double gnss_alignment_distance = 5.0;
-  /// [deg] Largest standard deviation of the heading with which the track is aligned to East-North-
+  /// [rad] Largest standard deviation of the heading with which the track is aligned to East-North-
   /// Up.
-  double gnss_alignment_stddev_deg = 3.0;
+  double gnss_alignment_stddev = 3.0 * kRadPerDeg;
   /// Correct GNSS stamps that are late or early relative to odometry.
   bool estimate_gnss_time_offset = true;
 
@@ -103,20 +104,20 @@ struct BackEndConfig {
   bool enable_imu_heading = false;
   /// Whether the measured acceleration, as gravity, keeps the map level.
   bool enable_imu_acceleration = false;
-  /// [deg] Upper limit of the standard deviation of the tilt at one key frame. It is reduced, but
+  /// [rad] Upper limit of the standard deviation of the tilt at one key frame. It is reduced, but
   /// not below a quarter, where the tilt agrees with odometry.
-  double imu_orientation_stddev_deg = 2.0;
-  /// [deg] Standard deviation of the heading at one key frame; larger than that of the IMU, because
+  double imu_orientation_stddev = 2.0 * kRadPerDeg;
+  /// [rad] Standard deviation of the heading at one key frame; larger than that of the IMU, because
   /// neighbours have errors in common.
-  double imu_heading_stddev_deg = 2.0;
-  /// [deg] Standard deviation of the vertical by acceleration at one key frame; motion adds to it.
-  double imu_acceleration_stddev_deg = 5.0;
+  double imu_heading_stddev = 2.0 * kRadPerDeg;
+  /// [rad] Standard deviation of the vertical by acceleration at one key frame; motion adds to it.
+  double imu_acceleration_stddev = 5.0 * kRadPerDeg;
 
   /// Floors of successive key frames as one plane each (safe on slopes), or all floors as a single
   /// plane (flat halls).
   FloorConstraint floor_constraint = FloorConstraint::kNone;
-  /// [deg] How much the slope of the floor differs from the plane, added to its covariance.
-  double floor_stddev_deg = 0.2;
+  /// [rad] How much the slope of the floor differs from the plane, added to its covariance.
+  double floor_stddev_rad = 0.2 * kRadPerDeg;
   /// [m] How much the height of the floor differs from the plane, added to its covariance.
   double floor_stddev_m = 0.02;
 

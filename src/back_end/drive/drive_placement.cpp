@@ -7,8 +7,6 @@
 #include <limits>
 #include <optional>
 
-#include "lidar_mapping/common/units.hpp"
-
 #include "gnss/gnss_alignment.hpp"
 #include "gnss/gnss_delay.hpp"
 #include "gnss/gnss_weights.hpp"
@@ -131,7 +129,7 @@ std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
 }
 
 AlignmentLimits alignment_limits(const BackEndConfig& config) {
-  return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * kRadPerDeg};
+  return {config.gnss_alignment_distance, config.gnss_alignment_stddev};
 }
 
 /// Aligns the whole track, or its beginning if the whole track has drifted too far.

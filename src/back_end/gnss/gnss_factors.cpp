@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/common/units.hpp"
-
 #include "gnss/gnss_delay.hpp"
 #include "gnss/gnss_weights.hpp"
 
@@ -63,9 +61,9 @@ void add_headings(const DriveGraph& drive, const BackEndConfig& config,
   for (const DriveGnss& gnss : drive.gnss) {
     if (!gnss.position.R_enu_base) continue;
     if (!in_enu[drive.segment_of(gnss.node)]) continue;
-    graph.add({pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base),
-                                            config.imu_heading_stddev_deg * kRadPerDeg),
-               gnss.node, kNoNode, false, config.imu_robust_kernel, config.robust_kernel_size});
+    graph.add(
+        {pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base), config.imu_heading_stddev),
+         gnss.node, kNoNode, false, config.imu_robust_kernel, config.robust_kernel_size});
   }
 }
 

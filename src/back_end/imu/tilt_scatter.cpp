@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/common/units.hpp"
-
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -81,8 +79,7 @@ bool vehicle_turns(const DriveGraph& drive) {
 }  // namespace
 
 double tilt_stddev(const DriveGraph& drive, const BackEndConfig& config) {
-  const double configured_deg = config.imu_orientation_stddev_deg;
-  const double configured = configured_deg * kRadPerDeg;
+  const double configured = config.imu_orientation_stddev;
   if (!is_height_constrained(drive, config) || !vehicle_turns(drive)) return configured;
   const std::vector<Directions> segments = verticals_in_odometry(drive);
   // Of one value, if as many independent values had the variance of the means.
@@ -95,8 +92,7 @@ double tilt_stddev(const DriveGraph& drive, const BackEndConfig& config) {
     variance = std::max(variance, static_cast<double>(length) * of_means.value());
   }
   if (length <= kMinLongestMean) return configured;
-  return kRadPerDeg * std::clamp(std::sqrt(variance) * kDegPerRad, kMinFraction * configured_deg,
-                                 configured_deg);
+  return std::clamp(std::sqrt(variance), kMinFraction * configured, configured);
 }
 
 }  // namespace lidar_mapping::back_end

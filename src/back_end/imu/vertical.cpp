@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -45,7 +44,7 @@ Vertical vertical_by_acceleration(const DriveImu& imu, double sign, double gravi
   // Braking by a changes the length by a^2 / 2g, but the direction by a / g.
   const double tilt_error = std::sqrt(2.0 * excess);
   return {imu.node, sign * acceleration.normalized(),
-          std::hypot(config.imu_acceleration_stddev_deg * kRadPerDeg, tilt_error)};
+          std::hypot(config.imu_acceleration_stddev, tilt_error)};
 }
 
 }  // namespace
@@ -54,7 +53,7 @@ std::vector<Vertical> verticals(const DriveGraph& drive, const BackEndConfig& co
   std::vector<Vertical> result;
   const double sign = acceleration_sign(drive);
   const double gravity = measured_gravity(drive);
-  const double stddev = drive.tilt_stddev.value_or(config.imu_orientation_stddev_deg * kRadPerDeg);
+  const double stddev = drive.tilt_stddev.value_or(config.imu_orientation_stddev);
   for (const DriveImu& imu : drive.imu) {
     if (config.enable_imu_orientation && imu.sample.orientation) {
       result.push_back(vertical_by_orientation(imu, stddev));

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "lidar_mapping/common/units.hpp"
-
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -41,8 +39,7 @@ Vector6d drift_stddev(const Pose& T_previous_current, const BackEndConfig& confi
   const double translation_stddev =
       std::hypot(config.odometry_min_stddev_m, config.odometry_drift * distance);
   const double rotation_stddev =
-      std::hypot(config.odometry_min_stddev_deg, config.odometry_drift_deg_per_m * distance) *
-      kRadPerDeg;
+      std::hypot(config.odometry_min_stddev_rad, config.odometry_rotation_drift * distance);
   return (Vector6d() << translation_stddev, translation_stddev, translation_stddev, rotation_stddev,
           rotation_stddev, rotation_stddev)
       .finished();
@@ -75,12 +72,12 @@ Covariance6 loop_covariance(const Loop& loop, const BackEndConfig& config) {
         2.0 * saturating_stddev(loop.fitness, config.min_stddev_q, config.max_stddev_q, config));
   }
   return loop.covariance +
-         diagonal_covariance(config.loop_min_stddev_m, config.loop_min_stddev_deg * kRadPerDeg);
+         diagonal_covariance(config.loop_min_stddev_m, config.loop_min_stddev_rad);
 }
 
 Eigen::Matrix3d floor_covariance(const BackEndConfig& config) {
-  const double angle = config.floor_stddev_deg * kRadPerDeg;
-  const Eigen::Vector3d stddev(angle, angle, config.floor_stddev_m);
+  const Eigen::Vector3d stddev(config.floor_stddev_rad, config.floor_stddev_rad,
+                               config.floor_stddev_m);
   return stddev.cwiseAbs2().asDiagonal();
 }
 
