@@ -3,7 +3,7 @@
 """Holds the comments of configuration structs against the one description of their fields, the schema.
 
 A field's comment is its unit in brackets and the schema's sentence. Angles are in radians in the struct, whatever
-their unit in files. `--fix` writes the comments anew.
+their unit in files: those in degrees have to be lines angle() of the schema. `--fix` writes the comments anew.
 Usage: check_config_comments.py [--fix]
 """
 import re
@@ -59,8 +59,9 @@ def descriptions(source):
         texts = strings_of(arguments(source, match.end()))
         has_unit = kind in ('real', 'angle', 'integer', 'reals')
         unit = texts[0] if has_unit and len(texts) > 1 else ''
-        if kind == 'angle':
-            unit = RADIANS[unit]
+        if (kind == 'angle') != (unit in RADIANS):
+            sys.exit(f'{struct}::{field}: angle() is for the units {", ".join(RADIANS)}, and for these alone')
+        unit = RADIANS.get(unit, unit)
         result[struct, field] = (f'[{unit}] ' if unit else '') + texts[-1]
     return result
 

@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
@@ -93,6 +94,17 @@ TEST(Overlays, OfThePlaceGoOverThatOfTheSensorAndSingleParametersOverBoth) {
     EXPECT_NE(std::string(error.what()).find("there are indoor"), std::string::npos)
         << error.what();
   }
+}
+
+TEST(StageFiles, HaveAnglesInDegreesAndStagesInRadians) {
+  const StageFiles files = read_stage_files(
+      {"", "kitti", "", {"floor_detection/tilt_deg: 20", "loop_closing/rotation_drift_deg: 1.5"}});
+  const pipeline::PipelineConfig& stages = files.pipeline;
+  EXPECT_EQ(stages.preprocessing.vertical_angle_correction, 0.205 * kRadPerDeg);
+  EXPECT_EQ(stages.floor_detection.tilt, 20.0 * kRadPerDeg);
+  EXPECT_DOUBLE_EQ(stages.loop_closing.rotation_drift, 0.015 * kRadPerDeg);
+  const std::string& text = files.texts.at("preprocessing");
+  EXPECT_NE(text.find("\nvertical_angle_correction_deg: 0.205\n"), std::string::npos) << text;
 }
 
 TEST(StageFiles, ReadsTheFileOfTheMapViewer) {
