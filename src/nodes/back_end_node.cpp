@@ -31,10 +31,6 @@ constexpr std::size_t kEarlyMeasurements = 1000;
 /// Largest number of loops that are kept until their key frames arrive: a node that starts receives
 /// both again. Chosen: ten times those of a town that is driven twice; bounds the memory.
 constexpr std::size_t kEarlyLoops = 1000;
-/// Messages of poses that wait for a slow subscriber. Each has the poses of all key frames, so that
-/// the next one makes up for one that is lost, but not for its mark of the answer to optimize_map.
-/// Chosen: more than a graph is solved in a second; bounds the memory.
-constexpr std::uint32_t kPosesQueue = 10;
 /// Idle time after which the files of the session are updated.
 constexpr std::chrono::milliseconds kIdle{2000};
 
@@ -57,7 +53,7 @@ nav_msgs::Odometry moved(const nav_msgs::Odometry& odometry, const Pose& T_map_o
 BackEndNode::BackEndNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
-      poses_(context.node.advertise<KeyFramePosesMessage>("key_frame_poses", kPosesQueue, true)),
+      poses_(context.node, config.node.map_frame),
       optimized_odom_(
           context.node.advertise<nav_msgs::Odometry>("optimized_odom", kPublisherQueue)),
       key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },
@@ -330,6 +326,7 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   if (datum_) run->set_datum(*datum_);
   run_ = std::move(run);  // all that may fail has been done
   run_id_ = run_id;
+  poses_.begin_run(run_id);
   next_index_ = next;
   const std::string folder = run_->session().directory().string();
   context_.node.setParam("session_folder", folder);
@@ -339,7 +336,7 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   if (known == 0) return;
   report_state();
   ROS_INFO_STREAM(known << " key frames of run " << run_id << " exist already");
-  publish_poses(false);
+  publish_poses(run_->poses(), false);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -22,14 +22,16 @@
 #include "lidar_mapping/ros/transforms.hpp"
 
 #include "back_end/optimization_answer.hpp"
+#include "back_end/pose_publisher.hpp"
 #include "back_end/solver_queue.hpp"
 #include "back_end_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
 
 /// Subscribed: key_frame, loop, loop_verdict, synced_gnss, synced_imu, floor, gnss_datum,
-/// laser_odom, front_end_status. Published: key_frame_poses (latched, all poses), optimized_odom,
-/// graph_verdict (of all loops to a new subscriber, then of those that change), tf map -> odom.
+/// laser_odom, front_end_status. Published: key_frame_poses (all to a new subscriber, then those
+/// that move), optimized_odom, graph_verdict (of all loops to a new subscriber, then of those that
+/// change), tf map -> odom.
 /// Services: optimize_map, get_key_frames, dump_graph, load_graph. The session's folder stands in
 /// the parameter session_folder beside the node.
 class BackEndNode {
@@ -74,7 +76,7 @@ class BackEndNode {
   void report_failure(const std::string& problem);
   void end_solving(OptimizeMap::Response answer);
   void report_state();
-  void publish_poses(bool thorough);
+  void publish_poses(const KeyFramePoses& poses, bool thorough);
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
   std::vector<std::string> write_files();
   void write_files_for(OptimizeMap::Response& answer);
@@ -96,7 +98,8 @@ class BackEndNode {
   SensorFrames sensor_frames_;
   TransformPublisher transforms_;
   Stamp sent_transform_ = 0;
-  ros::Publisher poses_, optimized_odom_, verdicts_;
+  PosePublisher poses_;
+  ros::Publisher optimized_odom_, verdicts_;
   std::vector<ros::Subscriber> subscribers_;
 
   // Used by the worker only: the graph, the session, and data that wait for it.

@@ -78,6 +78,7 @@ class LoopClosingNode {
   std::size_t runs_ = 0;
   std::unique_ptr<Run> run_;
   KeyFrameClient back_end_;
+  PoseFeed poses_;
   UnclaimedPositions gnss_;
   std::optional<RunState> stored_run_;  ///< of a resumed run, until its key frames are restored
   std::size_t accepted_ = 0;
@@ -93,6 +94,7 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
       back_end_(context.node),
+      poses_([this] { return back_end_.poses(); }),
       loop_(context.node, "loop", kRepeatedLoops),
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
@@ -100,8 +102,9 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
   const std::string notice = loop_closing::describe_substitution(config.stage.registration_method);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   subscribers_ = {
-      subscribe<KeyFramePosesMessage>(context, "key_frame_poses", config.node.queue_size,
-                                      [this](const auto& message) { update_poses(*message); }),
+      subscribe<KeyFramePosesMessage>(
+          context, "key_frame_poses", config.node.queue_size,
+          [this](const auto& message) { update_poses(*message); }, Numbered::kYes),
       subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
                                     [this](const auto& message) { add_gnss(*message); })};
   context.worker.set_idle_task(kIdle, [this] { log_line(loop_log_.rest()); });
@@ -113,11 +116,14 @@ void LoopClosingNode::begin_run(const std::string& run_id) {
   for (const GnssPosition& position : gnss_.positions()) run_->closer.add_gnss(position);
   stored_run_ = back_end_.run();
   if (stored_run_ && stored_run_->run_id != run_id) stored_run_.reset();
+  if (stored_run_) poses_.push({run_id, stored_run_->poses});
+  run_->closer.update_poses(poses_.known(run_id));
 }
 
-/// Restores loops, positions and poses after all old key frames have been restored.
+/// Restores loops, positions and poses after all old key frames have been restored. Poses may have
+/// moved since these were fetched.
 void LoopClosingNode::restore_graph() {
-  run_->closer.restore(stored_run_->loops, stored_run_->gnss, stored_run_->poses);
+  run_->closer.restore(stored_run_->loops, stored_run_->gnss, poses_.known(run_id_));
   if (stored_run_->searched > 0) {
     ROS_INFO_STREAM("continuing at key frame " << stored_run_->searched << " with "
                                                << stored_run_->loops.size() << " known loops");
@@ -147,9 +153,12 @@ void LoopClosingNode::update_sensor_origin() {
   if (origin) run_->closer.set_sensor_origin(*origin);
 }
 
+/// The key frames come first, because they may begin a run, for which newer poses are fetched.
 void LoopClosingNode::update_poses(const KeyFramePosesMessage& message) {
-  key_frames_.note({message.run_id, message.indices});
-  if (run_ && message.run_id == run_id_) run_->closer.update_poses(from_message(message));
+  const RunPoses received{message.run_id, from_message(message)};
+  key_frames_.note(received.indices());
+  const auto changed = poses_.push(received);
+  if (changed && run_ && changed->run_id == run_id_) run_->closer.update_poses(changed->poses);
 }
 
 void LoopClosingNode::add_gnss(const nav_msgs::Odometry& message) {

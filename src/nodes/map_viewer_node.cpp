@@ -17,6 +17,7 @@ MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
       back_end_(context.node),
+      poses_([this] { return back_end_.poses(); }),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       builder_([](const std::string& what, const std::string& problem) {
         ROS_ERROR_STREAM(what << " failed: " << problem);
@@ -44,8 +45,9 @@ MapViewerNode::~MapViewerNode() {
 void MapViewerNode::subscribe_all() {
   const int capacity = config_.node.queue_size;
   subscribers_ = {
-      subscribe<KeyFramePosesMessage>(context_, "key_frame_poses", capacity,
-                                      [this](const auto& m) { update_poses(*m); }),
+      subscribe<KeyFramePosesMessage>(
+          context_, "key_frame_poses", capacity, [this](const auto& m) { update_poses(*m); },
+          Numbered::kYes),
       subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { add_loop(*m); }),
       subscribe<LoopVerdictMessage>(
           context_, "loop_verdict", 10 * capacity, [this](const auto& m) { update_candidate(*m); },
@@ -85,6 +87,7 @@ void MapViewerNode::catch_up() {
 /// Data that arrived before the first key frame belong to its run.
 void MapViewerNode::begin_run(const std::string& run_id) {
   if (run_) view_ = {};
+  view_.track.update(poses_.known(run_id));
   run_id_ = run_id;
   run_ = std::make_shared<Run>(config_.stage, scratch_.path() / std::to_string(++runs_));
 }
@@ -105,10 +108,12 @@ void MapViewerNode::add_key_frame(const RunKeyFrame& received) {
 }
 
 void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
-  key_frames_.note({message.run_id, message.indices});
-  if (!run_ || message.run_id != run_id_) return;
+  const RunPoses received{message.run_id, from_message(message)};
+  key_frames_.note(received.indices());
+  const auto changed = poses_.push(received);
+  if (!changed || !run_ || changed->run_id != run_id_) return;
   const KeyFramePoses before = view_.track.poses();
-  view_.track.update(from_message(message));
+  view_.track.update(changed->poses);
   const double moved = back_end::change_between(before, view_.track.poses()).largest;
   if (message.thorough && !message.indices.empty()) view_.optimized = message.indices.back();
   display_.graph_changed();

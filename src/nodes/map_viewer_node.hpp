@@ -74,6 +74,7 @@ class MapViewerNode {
   Config config_;
   NodeContext& context_;
   KeyFrameClient back_end_;
+  PoseFeed poses_;
   ScratchFolder scratch_{ros::this_node::getName()};
   std::string run_id_;
   std::size_t runs_ = 0;

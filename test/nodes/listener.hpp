@@ -62,11 +62,7 @@ inline bool wait_within_callback(const std::function<bool()>& condition,
 template <typename Message>
 class Listener {
  public:
-  explicit Listener(const std::string& topic)
-      : subscriber_(ros::NodeHandle().subscribe<Message>(
-            topic, 1000, [this](const boost::shared_ptr<const Message>& message) {
-              messages.push_back(*message);
-            })) {}
+  explicit Listener(const std::string& topic) : topic_(topic) { subscribe(); }
 
   /// The publisher sends to this listener; Subscriber::getNumPublishers() counts links that are not
   /// up yet, and those to a node that was killed.
@@ -75,9 +71,24 @@ class Listener {
     return wait_until([&] { return messages.size() >= count; }, seconds);
   }
 
+  /// Forgets all messages and subscribes as who comes late; a second listener of this process would
+  /// share the connection of the first, so that the publisher would not see it.
+  void subscribe_again() {
+    subscriber_.shutdown();
+    messages.clear();
+    subscribe();
+  }
+
   std::vector<Message> messages;
 
  private:
+  void subscribe() {
+    subscriber_ = ros::NodeHandle().subscribe<Message>(
+        topic_, 1000,
+        [this](const boost::shared_ptr<const Message>& message) { messages.push_back(*message); });
+  }
+
+  std::string topic_;
   ros::Subscriber subscriber_;
 };
 

@@ -28,6 +28,7 @@ class MapViewerNode : public testing::Test {
   }
 
   bool serve(const GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
+    response.poses = poses_;
     response.poses.run_id = "run";
     response.poses.whole = true;
     for (const KeyFrameMessage& message : stored_) {
@@ -83,6 +84,7 @@ class MapViewerNode : public testing::Test {
 
   TemporaryFolder folder_;
   std::vector<KeyFrameMessage> stored_;
+  KeyFramePosesMessage poses_;
   std::vector<nav_msgs::Odometry> fixes_;
   std::vector<FloorMessage> floors_;
   ros::ServiceServer service_;

@@ -108,6 +108,65 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   EXPECT_TRUE(node->says("session " + end + " key frames")) << node->output();
 }
 
+std::vector<std::uint32_t> counted(int begin, int end) {
+  std::vector<std::uint32_t> result;
+  for (int i = begin; i < end; ++i) result.push_back(static_cast<std::uint32_t>(i));
+  return result;
+}
+
+/// A second round is driven. Its loops leave the first one, and what leads to them, where they are.
+TEST_F(BackEndNode, SendsThePosesThatMovedAndAllToWhoComesLate) {
+  const auto node = start();
+  publish(0, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  loops_.publish(round_loop());
+  ASSERT_TRUE(poses_.wait_for(1)) << node->output();
+  publish(kRound, kRound + 25);
+  ASSERT_TRUE(wait_for_key_frames(kRound + 25)) << node->output();
+  loops_.publish(round_loop(kRound + 10, kRound + 24));
+  ASSERT_TRUE(poses_.wait_for(2)) << node->output();
+  publish(kRound + 25, kRound + 30);
+  ASSERT_TRUE(wait_for_key_frames(kRound + 30)) << node->output();
+  loops_.publish(round_loop(kRound + 5, kRound + 24));
+  ASSERT_TRUE(poses_.wait_for(3)) << node->output();
+
+  const std::vector<KeyFramePosesMessage> sent = poses_.messages;
+  EXPECT_TRUE(sent[0].whole);
+  EXPECT_EQ(sent[0].indices, counted(0, kRound));
+  EXPECT_FALSE(sent[1].whole);
+  EXPECT_EQ(sent[1].since, sent[0].revision);
+  EXPECT_EQ(sent[1].indices, counted(kRound, kRound + 25)) << "the new ones";
+  EXPECT_FALSE(sent[2].whole);
+  EXPECT_EQ(sent[2].since, sent[1].revision);
+  EXPECT_EQ(sent[2].indices, counted(kRound + 6, kRound + 30)) << "the new and the moved ones";
+
+  poses_.subscribe_again();
+  ASSERT_TRUE(poses_.wait_for(1)) << node->output();
+  EXPECT_TRUE(poses_.messages[0].whole);
+  EXPECT_EQ(poses_.messages[0].revision, sent[2].revision);
+  EXPECT_EQ(poses_.messages[0].indices, counted(0, kRound + 30));
+  const KeyFramePoses late = ros_border::from_message(poses_.messages[0]);
+  const KeyFramePoses exact = ros_border::from_message(known().poses);
+  ASSERT_EQ(exact.poses.size(), late.poses.size());
+  for (std::size_t i = 0; i < late.poses.size(); ++i) {
+    EXPECT_TRUE(test::near(late.poses[i].T_map_base, exact.poses[i].T_map_base, 0.001)) << i;
+  }
+}
+
+/// What a person asked for is exact.
+TEST_F(BackEndNode, SendsAllPosesAsTheAnswerToOptimizeMap) {
+  const auto node = start();
+  publish(0, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  for (std::size_t i = 1; i <= 2; ++i) {
+    EXPECT_TRUE(optimize().success);
+    ASSERT_TRUE(poses_.wait_for(i)) << node->output();
+    EXPECT_TRUE(poses_.messages.back().thorough);
+    EXPECT_TRUE(poses_.messages.back().whole) << "also where nothing moved";
+    EXPECT_EQ(poses_.messages.back().indices, counted(0, kRound));
+  }
+}
+
 /// Without loops and GNSS nothing is optimised unasked; the node is at work all the same.
 TEST_F(BackEndNode, SaysThatItMapsADriveOfTheLidarAlone) {
   Diagnostics diagnostics("/diagnostics");

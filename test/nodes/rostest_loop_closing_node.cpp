@@ -49,6 +49,7 @@ class LoopClosingNode : public testing::Test {
   bool serve(const GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
     if (!wait_for_links()) return false;
     response.poses.run_id = "run";
+    response.poses.whole = true;
     response.loops = loops_that_are_known_;
     response.searched = searched_;
     for (const KeyFrameMessage& message : stored_) {

@@ -158,6 +158,46 @@ TEST_F(MapViewerNode, FetchesTheLastKeyFrameWhenThePosesNameIt) {
   EXPECT_TRUE(shows(kRound)) << node.output();
 }
 
+/// One key frame of a message, as what moved since a revision.
+KeyFramePosesMessage part_of(const KeyFramePosesMessage& all, std::size_t i, std::uint32_t since) {
+  KeyFramePosesMessage part = all;
+  part.whole = 0;
+  part.since = since;
+  part.revision = since + 1;
+  part.indices = {all.indices[i]};
+  part.stamps = {all.stamps[i]};
+  part.poses = {all.poses[i]};
+  return part;
+}
+
+TEST_F(MapViewerNode, TakesPosesThatMovedAndFetchesAllAfterALoss) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  ASSERT_TRUE(shows(kRound)) << node.output();
+  Listener<nav_msgs::Path> path("optimized_path");
+  const auto shows_ends_at = [&](double first, double last) {
+    return wait_until([&] {
+      if (path.messages.empty() || path.messages.back().poses.size() != kRound) return false;
+      const auto& shown = path.messages.back().poses;
+      return std::abs(shown.front().pose.position.x - first) < 0.01 &&
+             std::abs(shown.back().pose.position.x - last) < 0.01;
+    });
+  };
+  const auto poses = connected_publisher<KeyFramePosesMessage>("key_frame_poses");
+  poses_ = corrected(kRound, 1);
+  poses.publish(poses_);
+  EXPECT_TRUE(shows_ends_at(0.0, 0.0)) << node.output();
+  poses_.poses.back().position.x = 3.0;
+  poses.publish(part_of(poses_, kRound - 1, 1));
+  EXPECT_TRUE(shows_ends_at(0.0, 3.0)) << node.output();
+  // That of the last key frame is lost.
+  poses_.poses.front().position.x = -4.0;
+  poses_.poses.back().position.x = 5.0;
+  poses_.revision = 4;
+  poses.publish(part_of(poses_, 0, 3));
+  EXPECT_TRUE(shows_ends_at(-4.0, 5.0)) << node.output();
+}
+
 // Without anything new the map is sent once.
 TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
   store(kRound);

@@ -203,11 +203,12 @@ TEST(KeyFrameConversion, RefusesACovarianceThatIsNotFinite) {
 
 // Stamps and indices of optimised key frames were lost.
 TEST(KeyFramePosesConversion, ComesBackTheSame) {
-  const KeyFramePoses poses{5, false, {{3, kStamp, some_pose()}, {9, kStamp + 1, Pose()}}};
+  const KeyFramePoses poses{5, false, {{3, kStamp, some_pose()}, {9, kStamp + 1, Pose()}}, 4};
   const KeyFramePosesMessage message = to_message(poses, "run", "map");
   const KeyFramePoses again = from_message(message);
   EXPECT_EQ(from_ros(message.header.stamp), kStamp + 1);
   EXPECT_EQ(again.revision, 5U);
+  EXPECT_EQ(again.since, 4U);
   EXPECT_FALSE(again.whole);
   ASSERT_EQ(again.poses.size(), 2U);
   EXPECT_EQ(again.poses[0].index, 3U);

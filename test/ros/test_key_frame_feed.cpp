@@ -124,6 +124,24 @@ TEST(KeyFrameFeed, AGapInTheStoreDelaysNothing) {
   EXPECT_EQ(world.delivered, (Indices{0, 1, 5, 6}));
 }
 
+// The poses that moved are a list with gaps; catching up with it would skip key frames that exist.
+TEST(KeyFrameFeed, SeesThatAPartLeavesOutKeyFramesThatAreMissing) {
+  World world;
+  world.store_until(10);
+  world.feed.catch_up(world.known());
+  const auto would_skip = [&](const Indices& indices, const std::string& run = "run") {
+    return world.feed.would_skip({run, indices, false});
+  };
+  EXPECT_FALSE(would_skip({}));
+  EXPECT_FALSE(would_skip({2, 5})) << "all have been delivered";
+  EXPECT_FALSE(would_skip({2, 10, 11}));
+  EXPECT_TRUE(would_skip({2, 11}));
+  EXPECT_TRUE(would_skip({10, 12}));
+  EXPECT_TRUE(would_skip({2, 5}, "next"));
+  EXPECT_FALSE(would_skip({0, 1}, "next"));
+  EXPECT_FALSE(world.feed.would_skip({"run", {2, 11}})) << "a whole list leaves out none";
+}
+
 TEST(KeyFrameFeed, AnotherRunBeginsAnew) {
   World world;
   world.feed.push(make(0));

@@ -34,11 +34,12 @@ struct KeyFramePose {
   Pose T_map_base;          ///< newest estimate of the back end
 };
 
-/// All poses (whole), or those that moved, ordered by index.
+/// All poses (whole), or those that are new or moved, ordered by index.
 struct KeyFramePoses {
-  std::uint32_t revision = 0;       ///< grows by one whenever poses have moved
+  std::uint32_t revision = 0;       ///< grows whenever poses have moved
   bool whole = true;                ///< all key frames of the run are listed
   std::vector<KeyFramePose> poses;  ///< increasing index
+  std::uint32_t since = 0;          ///< of a part: revision whose poses the others still have
 };
 
 }  // namespace lidar_mapping

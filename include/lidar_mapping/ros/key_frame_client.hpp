@@ -13,6 +13,7 @@
 #include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/pose_feed.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -43,6 +44,9 @@ class KeyFrameClient {
   /// As run(); waits up to 15 s for a back end that was killed during a drive and is being
   /// restarted.
   std::optional<RunState> wait_for_run();
+  /// The present poses of all key frames, without the key frames themselves; empty if there is no
+  /// back end or no run. Throws InputError for an inconsistent answer.
+  std::optional<RunPoses> poses();
   /// These key frames with their clouds; empty if there is no back end.
   std::vector<RunKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
 
@@ -59,8 +63,9 @@ class KeyFrameSubscription {
   /// Up to `capacity` messages may wait. `deliver` is called in the worker's thread.
   KeyFrameSubscription(NodeContext& context, int capacity, KeyFrameFeed::Deliver deliver);
 
-  /// Fetches the key frames of `known` that this node has not received. It is called in the
-  /// worker's thread with the indices of key_frame_poses.
+  /// Fetches the key frames of `known` that this node has not received; all that exist if `known`
+  /// is a part that leaves out some. It is called in the worker's thread with the indices of
+  /// key_frame_poses.
   void note(RunIndices known);
   /// State of the delivery; for the worker's thread.
   const KeyFrameFeed& feed() const { return feed_; }

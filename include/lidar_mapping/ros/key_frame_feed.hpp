@@ -17,10 +17,11 @@ struct RunKeyFrame {
   KeyFrame key_frame;  ///< with or without its cloud
 };
 
-/// Indices of the key frames of a run that exist.
+/// Indices of the key frames of a run that exist, or some of them.
 struct RunIndices {
   std::string run_id;                  ///< names the run
   std::vector<KeyFrameIndex> indices;  ///< increasing
+  bool whole = true;                   ///< there are no others
 };
 
 /// Delivers every key frame of a run once, in the order of the indices: those that arrive, and
@@ -45,6 +46,9 @@ class KeyFrameFeed {
   void push(RunKeyFrame key_frame);
   /// Fetches and delivers those of the existing key frames that were not yet delivered.
   void catch_up(const RunIndices& known);
+  /// Whether catch_up() would skip key frames that may exist: `some`, which is not whole, leaves
+  /// out some of those between the newest delivered one and its last.
+  bool would_skip(const RunIndices& some) const;
   /// Skips missing key frames and delivers those after them.
   void flush();
 

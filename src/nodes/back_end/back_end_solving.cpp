@@ -31,7 +31,7 @@ void BackEndNode::apply_solution(const SolvedProblem& solved) {
     if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;
     done.session = run_->session().directory().string();
     files_outdated_ = true;
-    publish_poses(solved.thorough && done.report.success);
+    publish_poses(applied.poses, solved.thorough && done.report.success);
     publish_verdicts(applied.verdicts);
   }
   const back_end::OptimizationReport& report = done.report;
@@ -90,13 +90,8 @@ void BackEndNode::report_state() {
   }
 }
 
-void BackEndNode::publish_poses(bool thorough) {
-  const KeyFramePoses poses = run_->poses();
-  if (poses.poses.empty()) return;
-  context_.diagnostics.count_output(poses.poses.back().stamp);
-  KeyFramePosesMessage message = to_message(poses, run_id_, config_.node.map_frame);
-  message.thorough = static_cast<unsigned char>(thorough);
-  poses_.publish(message);
+void BackEndNode::publish_poses(const KeyFramePoses& poses, bool thorough) {
+  if (poses_.publish(poses, thorough)) context_.diagnostics.count_output(poses.poses.back().stamp);
 }
 
 void BackEndNode::publish_verdicts(const std::vector<LoopVerdict>& verdicts) {

@@ -71,6 +71,7 @@ void MapViewerNode::fetch_newest_poses() {
   const auto state = back_end_.run();
   if (!state) return;
   key_frames_.note(state->indices());
+  poses_.push({state->run_id, state->poses});
   if (run_ && state->run_id == run_id_) view_.track.update(state->poses);
 }
 

@@ -64,6 +64,7 @@ KeyFramePosesMessage to_message(const KeyFramePoses& poses, const std::string& r
   message.header = header_of(poses.poses.empty() ? 0 : poses.poses.back().stamp, map_frame);
   message.run_id = run_id;
   message.revision = poses.revision;
+  message.since = poses.since;
   message.whole = poses.whole;
   for (const KeyFramePose& pose : poses.poses) {
     message.indices.push_back(pose.index);
@@ -78,7 +79,7 @@ KeyFramePoses from_message(const KeyFramePosesMessage& message) {
   if (message.stamps.size() != count || message.poses.size() != count) {
     throw InputError("key_frame_poses: indices, stamps and poses differ in number");
   }
-  KeyFramePoses result{message.revision, message.whole != 0, {}};
+  KeyFramePoses result{message.revision, message.whole != 0, {}, message.since};
   result.poses.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     result.poses.push_back(

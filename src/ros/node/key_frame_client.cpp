@@ -67,6 +67,13 @@ std::optional<RunState> KeyFrameClient::wait_for_run() {
   return run();
 }
 
+std::optional<RunPoses> KeyFrameClient::poses() {
+  // Any answer has all poses. One key frame is asked for, because an empty list would mean all.
+  const auto response = call({KeyFrameIndex{0}}, false);
+  if (!response || response->poses.run_id.empty()) return std::nullopt;
+  return RunPoses{response->poses.run_id, from_message(response->poses)};
+}
+
 std::vector<RunKeyFrame> KeyFrameClient::fetch(const std::vector<KeyFrameIndex>& indices) {
   std::vector<RunKeyFrame> result;
   if (indices.empty()) return result;  // an empty list would mean all
@@ -110,6 +117,7 @@ void KeyFrameSubscription::note(RunIndices known) {
   const bool other_run = !feed_.run_id().empty() && feed_.run_id() != known.run_id;
   if (known.indices.empty() || other_run) return;
   std::sort(known.indices.begin(), known.indices.end());
+  if (feed_.would_skip(known)) return catch_up();
   const KeyFrameIndex before = feed_.next_index();
   feed_.catch_up(known);
   if (feed_.next_index() > before + kOvertaken) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/key_frame_feed.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace lidar_mapping::ros_border {
@@ -60,6 +61,15 @@ void KeyFrameFeed::catch_up(const RunIndices& known) {
     while (!pending_.empty() && pending_.begin()->first <= chunk.back()) deliver_first();
   }
   deliver_pending();
+}
+
+bool KeyFrameFeed::would_skip(const RunIndices& some) const {
+  if (some.whole || some.indices.empty()) return false;
+  const KeyFrameIndex next = some.run_id == run_id_ ? next_ : 0;
+  if (some.indices.back() < next) return false;
+  const auto begin = std::lower_bound(some.indices.begin(), some.indices.end(), next);
+  const auto listed = static_cast<std::size_t>(some.indices.end() - begin);
+  return listed <= some.indices.back() - next;
 }
 
 void KeyFrameFeed::begin_run(const std::string& run_id) {
