@@ -2,9 +2,9 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/map/display_map.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 
-#include "localization/display_resolution.hpp"
 #include "localization_node.hpp"
 #include "worker_tasks.hpp"
 
@@ -49,7 +49,7 @@ void LocalizationNode::load_first(const std::string& folder) {
 std::string LocalizationNode::load(const std::string& folder) {
   auto active_map = std::make_shared<ActiveMap>(expanded_path(folder), config_.stage);
   begin_recording(*active_map);
-  const double resolution = display_resolution(active_map->map.index().gaussians());
+  const double resolution = map::display_resolution(active_map->map.index().gaussians());
   const auto cloud = std::make_shared<PointCloud>(active_map->map.cloud(resolution));
   const std::string summary = summary_of(active_map->map);
   context_.worker.post(requests_, [this, active_map, cloud] { use(active_map, *cloud); });
