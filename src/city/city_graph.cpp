@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::city {
@@ -141,10 +142,8 @@ std::size_t CityGraph::drive_of(const std::string& name) const {
 
 /// The key frame with this index of the city; null if the drive does not have it.
 const KeyFrame* find_key_frame(const SessionPart& part, KeyFrameIndex index) {
-  const auto found = std::lower_bound(
-      part.key_frames.begin(), part.key_frames.end(), index,
-      [](const KeyFrame& key_frame, KeyFrameIndex wanted) { return key_frame.index < wanted; });
-  return found != part.key_frames.end() && found->index == index ? &*found : nullptr;
+  const auto found = find_index(part.key_frames, index);
+  return found != part.key_frames.end() ? &*found : nullptr;
 }
 
 void CityGraph::add_loops(const PairLoops& pair) {
