@@ -168,10 +168,6 @@ struct LoopOffset {
   double stddev_b;
 };
 
-double horizontal_stddev(const GnssPosition& position) {
-  return std::sqrt(0.5 * (position.covariance(0, 0) + position.covariance(1, 1)));
-}
-
 GnssDisagreement median_of(std::size_t a, std::size_t b, const std::vector<LoopOffset>& offsets) {
   std::vector<double> east, north, stddev_a, stddev_b;
   for (const LoopOffset& entry : offsets) {
@@ -202,8 +198,9 @@ std::vector<GnssDisagreement> CityGraph::disagreements() const {
     const Eigen::Vector3d by_loop =
         position_a->second.p_enu_base(*R_enu_a) + *R_enu_a * loop.T_from_to.translation;
     const Eigen::Vector3d by_gnss = position_b->second.p_enu_base(*R_enu_b);
-    offsets[{a, b}].push_back({(by_gnss - by_loop).head<2>(), horizontal_stddev(position_a->second),
-                               horizontal_stddev(position_b->second)});
+    offsets[{a, b}].push_back({(by_gnss - by_loop).head<2>(),
+                               horizontal_stddev(position_a->second.covariance),
+                               horizontal_stddev(position_b->second.covariance)});
   }
   std::vector<GnssDisagreement> result;
   for (const auto& [pair, values] : offsets) {
