@@ -104,7 +104,7 @@ class LocalizingRun {
     print(drive.lines);
     const RecordingPart part(*drive.input, options_.start, options_.duration);
     pipeline::SessionMap map(options_.map, stages_.pipeline.loop_closing, stages_.pipeline.threads);
-    print_map(map);
+    print({"map: " + map.size_text()});
     if (!options_.extend.empty()) {
       extender_.emplace(options_.map, pipeline::folder_beside(options_.extend));
     }
@@ -122,12 +122,6 @@ class LocalizingRun {
   }
 
  private:
-  static void print_map(pipeline::SessionMap& map) {
-    std::printf("map: %zu places, %zu Gaussians, tables of %.0f MB\n", map.index().places().size(),
-                map.index().gaussians(), static_cast<double>(map.index().bytes()) * 1e-6);
-    std::fflush(stdout);
-  }
-
   void read(pipeline::InputSource& input, const RecordingPart& part, LocalizedDrive& localized) {
     pipeline::RecordedOdometry odometry(
         stages_.pipeline, [&input](const std::string& frame) { return input.T_base(frame); },
