@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::city {
@@ -141,10 +142,8 @@ std::size_t CityGraph::drive_of(const std::string& name) const {
 
 /// The key frame with this index of the city; null if the drive does not have it.
 const KeyFrame* find_key_frame(const SessionPart& part, KeyFrameIndex index) {
-  const auto found = std::lower_bound(
-      part.key_frames.begin(), part.key_frames.end(), index,
-      [](const KeyFrame& key_frame, KeyFrameIndex wanted) { return key_frame.index < wanted; });
-  return found != part.key_frames.end() && found->index == index ? &*found : nullptr;
+  const auto found = find_index(part.key_frames, index);
+  return found != part.key_frames.end() ? &*found : nullptr;
 }
 
 void CityGraph::add_loops(const PairLoops& pair) {
@@ -168,10 +167,6 @@ struct LoopOffset {
   double stddev_a;
   double stddev_b;
 };
-
-double horizontal_stddev(const GnssPosition& position) {
-  return std::sqrt(0.5 * (position.covariance(0, 0) + position.covariance(1, 1)));
-}
 
 GnssDisagreement median_of(std::size_t a, std::size_t b, const std::vector<LoopOffset>& offsets) {
   std::vector<double> east, north, stddev_a, stddev_b;
@@ -203,8 +198,9 @@ std::vector<GnssDisagreement> CityGraph::disagreements() const {
     const Eigen::Vector3d by_loop =
         position_a->second.p_enu_base(*R_enu_a) + *R_enu_a * loop.T_from_to.translation;
     const Eigen::Vector3d by_gnss = position_b->second.p_enu_base(*R_enu_b);
-    offsets[{a, b}].push_back({(by_gnss - by_loop).head<2>(), horizontal_stddev(position_a->second),
-                               horizontal_stddev(position_b->second)});
+    offsets[{a, b}].push_back({(by_gnss - by_loop).head<2>(),
+                               horizontal_stddev(position_a->second.covariance),
+                               horizontal_stddev(position_b->second.covariance)});
   }
   std::vector<GnssDisagreement> result;
   for (const auto& [pair, values] : offsets) {

@@ -6,6 +6,8 @@
 
 #include <Eigen/QR>
 
+#include "lidar_mapping/common/path_length.hpp"
+
 namespace lidar_mapping {
 
 namespace {
@@ -91,11 +93,8 @@ void AntennaFit::begin_window() {
   std::vector<TrackedFix> window;
   window.swap(window_);
   if (window.size() < kMinFixes) return;
-  double path_length = 0.0;
-  for (std::size_t i = 1; i < window.size(); ++i) {
-    path_length += (window[i].p_dr_base - window[i - 1].p_dr_base).norm();
-  }
-  if (path_length < kMinPathLength) return;
+  const auto position_of = [&](std::size_t i) -> const auto& { return window[i].p_dr_base; };
+  if (path_length(window.size(), position_of) < kMinPathLength) return;
   const Rows rows = equations(window);
   const auto shared = without_own(rows);
   const double variance = kRepetition * (unexplained(rows) + kNoiseFloor * kNoiseFloor);

@@ -31,6 +31,14 @@ std::string iso_date(Stamp stamp) {
   return text.data();
 }
 
+std::string dated_name(std::time_t time) {
+  std::tm parts{};
+  localtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d_%H-%M-%S", &parts);
+  return text.data();
+}
+
 Stamp end_of_date(const std::string& text) {
   for (const DateFormat& known : kFormats) {
     std::tm parts{};

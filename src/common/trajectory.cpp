@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping {
@@ -55,14 +56,12 @@ void append_line(Trajectory& trajectory, const std::vector<std::string>& words) 
   }
 }
 
-/// The lines of files that were put together may jump back in time. Poses of one stamp stay in the
-/// order of their lines, as do those of KITTI.
+}  // namespace
+
 void sort_by_stamp(Trajectory& trajectory) {
   std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
 }
-
-}  // namespace
 
 std::optional<Pose> pose_between(const StampedPose& before, const StampedPose& after, Stamp stamp,
                                  double largest_gap_s) {
@@ -73,9 +72,7 @@ std::optional<Pose> pose_between(const StampedPose& before, const StampedPose& a
 
 std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory, double largest_gap_s) {
   const std::vector<StampedPose>& poses = trajectory.poses;
-  const auto after =
-      std::lower_bound(poses.begin(), poses.end(), stamp,
-                       [](const StampedPose& pose, Stamp wanted) { return pose.stamp < wanted; });
+  const auto after = first_not_before(poses, stamp);
   if (after == poses.end()) return std::nullopt;
   if (after->stamp == stamp) return after->pose;
   if (after == poses.begin()) return std::nullopt;
@@ -118,7 +115,7 @@ Trajectory read_trajectory(const std::string& path) {
                        "; correct or remove the line");
     }
   }
-  sort_by_stamp(trajectory);
+  sort_by_stamp(trajectory);  // the lines of files that were put together may jump back in time
   return trajectory;
 }
 

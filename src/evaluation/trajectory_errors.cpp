@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::evaluation {
@@ -106,12 +107,9 @@ std::vector<double> usual_segment_lengths(const std::vector<PosePair>& pairs) {
 }
 
 std::vector<double> travelled_distances(const std::vector<PosePair>& pairs) {
-  std::vector<double> distances(pairs.size(), 0.0);
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    distances[i] =
-        distances[i - 1] + (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm();
-  }
-  return distances;
+  return lidar_mapping::travelled_distances(
+      pairs.size(),
+      [&](std::size_t i) -> const Eigen::Vector3d& { return pairs[i].truth.translation; });
 }
 
 }  // namespace lidar_mapping::evaluation

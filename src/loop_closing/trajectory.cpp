@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -113,10 +113,8 @@ std::optional<Trajectory::NodeId> Trajectory::add_gnss(const GnssPosition& posit
 }
 
 std::optional<Trajectory::NodeId> Trajectory::find(KeyFrameIndex index) const {
-  const auto node = std::lower_bound(
-      nodes_.begin(), nodes_.end(), index,
-      [](const TrajectoryNode& n, KeyFrameIndex wanted) { return n.index < wanted; });
-  if (node == nodes_.end() || node->index != index) return std::nullopt;
+  const auto node = find_index(nodes_, index);
+  if (node == nodes_.end()) return std::nullopt;
   return static_cast<NodeId>(node - nodes_.begin());
 }
 

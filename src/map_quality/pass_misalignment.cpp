@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/map_quality/map_quality.hpp"
 
 #include "pass_registration.hpp"
@@ -31,13 +32,10 @@ constexpr std::size_t kMinEarlierKeyFrames = 2;
 class RevisitedSections {
  public:
   RevisitedSections(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfig& config)
-      : poses_(poses.poses), clouds_(clouds), config_(config) {
-    double path_length = 0.0;
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (i > 0) path_length += (position(i) - position(i - 1)).norm();
-      path_lengths_.push_back(path_length);
-    }
-  }
+      : poses_(poses.poses),
+        clouds_(clouds),
+        config_(config),
+        path_lengths_(travelled_distances(poses)) {}
 
   std::vector<PassMisalignment> misalignments() const {
     std::vector<PassMisalignment> result;

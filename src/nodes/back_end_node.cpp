@@ -40,11 +40,8 @@ nav_msgs::Odometry moved(const nav_msgs::Odometry& odometry, const Pose& T_map_o
   nav_msgs::Odometry message = odometry;
   message.header.frame_id = map_frame;
   message.pose.pose = to_message(T_map_odom * from_message(odometry.pose.pose));
-  Matrix6d rotation = Matrix6d::Zero();
-  rotation.topLeftCorner<3, 3>() = T_map_odom.rotation_matrix();
-  rotation.bottomRightCorner<3, 3>() = T_map_odom.rotation_matrix();
   message.pose.covariance =
-      to_array(rotation * from_array(odometry.pose.covariance) * rotation.transpose());
+      to_array(in_parent_axes(from_array(odometry.pose.covariance), T_map_odom));
   return message;
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ctime>
-
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <std_msgs/UInt32.h>
 
+#include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
@@ -32,15 +31,6 @@ constexpr Stamp kReplayTolerance = from_seconds(0.5);
 /// Number of key frames that are sent again to a new subscriber. Chosen: more than a vehicle makes
 /// in the seconds in which a node starts.
 constexpr std::uint32_t kRepeatedKeyFrames = 30;
-
-std::string new_run_id() {
-  const std::time_t now = ros::WallTime::now().sec;
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d_%H-%M-%S", &local);
-  return text;
-}
 
 }  // namespace
 
@@ -266,7 +256,7 @@ void FrontEndNode::publish_final(const front_end::FrontEndResult& result) {
 /// never mixed; otherwise it starts a new run.
 void FrontEndNode::begin_run() {
   const auto state = back_end_.wait_for_run();
-  run_id_ = state && !state->run_id.empty() ? state->run_id : new_run_id();
+  run_id_ = state && !state->run_id.empty() ? state->run_id : dated_name(ros::WallTime::now().sec);
   if (!state || state->key_frames.empty()) return;
   const KeyFrame& last = state->key_frames.back();
   front_end_.resume(last.index + 1, last.segment + 1, last.T_odom_base);

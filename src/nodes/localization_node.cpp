@@ -118,7 +118,7 @@ void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
   last_odometry_ = stamp;
   twist_ = message.twist.twist;
   const Pose T_odom_base = from_message(message.pose.pose);
-  if (DriveRecorder* const recorder = present_recorder()) {
+  if (pipeline::DriveRecorder* const recorder = present_recorder()) {
     recorder->add_odometry(stamp, T_odom_base);
   }
   pairing_.add({stamp, T_odom_base, step_covariance(message, seconds)});
@@ -148,10 +148,10 @@ void LocalizationNode::set_initial_pose(const geometry_msgs::PoseWithCovarianceS
 }
 
 void LocalizationNode::process_ready() {
-  for (PairedScan& paired : pairing_.take_ready()) process(std::move(paired));
+  for (pipeline::PairedScan& paired : pairing_.take_ready()) process(std::move(paired));
 }
 
-void LocalizationNode::process(PairedScan&& paired) {
+void LocalizationNode::process(pipeline::PairedScan&& paired) {
   if (!active_map_) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, loading_);
     return;
@@ -161,14 +161,9 @@ void LocalizationNode::process(PairedScan&& paired) {
     active_map_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
   }
   const ThreadTime time;
-  localization::LocalizerInput input;
-  input.scan = std::move(paired.scan);
-  input.T_previous_base = paired.T_previous_base;
-  input.covariance = paired.covariance;
-  input.is_connected = paired.is_connected;
-  input.p_base_lidar = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame)
-                           .value_or(Eigen::Vector3d::Zero());
-  const LocalizationResult result = active_map_->localizer.process(input);
+  paired.input.p_base_lidar = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame)
+                                  .value_or(Eigen::Vector3d::Zero());
+  const LocalizationResult result = active_map_->localizer.process(paired.input);
   const double seconds = time.seconds();
   last_scan_ = ros::WallTime::now();
   if (localization::has_pose(result.state)) {

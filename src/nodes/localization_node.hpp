@@ -15,6 +15,8 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/localization/localizer.hpp"
+#include "lidar_mapping/pipeline/drive_recorder.hpp"
+#include "lidar_mapping/pipeline/scan_pairing.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
@@ -22,8 +24,6 @@
 #include "lidar_mapping/ros/scratch_folder.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
-#include "localization/drive_recorder.hpp"
-#include "localization/scan_pairing.hpp"
 #include "localization_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -48,7 +48,7 @@ class LocalizationNode {
         : map(folder, verification, 1), localizer(map.index()) {}
     pipeline::SessionMap map;
     localization::Localizer localizer;
-    std::optional<DriveRecorder> recorder;
+    std::optional<pipeline::DriveRecorder> recorder;
     std::string why_not_recorded;  ///< if there is no recorder
   };
   /// What save_session takes from the worker.
@@ -67,7 +67,7 @@ class LocalizationNode {
   void set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void process_ready();
   void watch_scans();
-  void process(PairedScan&& paired);
+  void process(pipeline::PairedScan&& paired);
   void publish_pose(const localization::LocalizationResult& result, const Pose& T_odom_base);
   void publish_scan(const localization::LocalizationResult& result);
   void extend_path(const localization::LocalizationResult& result);
@@ -81,7 +81,7 @@ class LocalizationNode {
   bool load_map(LoadMap::Request& request, LoadMap::Response& response);
 
   void begin_recording(ActiveMap& active_map);
-  DriveRecorder* present_recorder();
+  pipeline::DriveRecorder* present_recorder();
   void record(const RunKeyFrame& received);
   void record(const localization::LocalizationResult& place);
   void withdraw_place();
@@ -92,7 +92,7 @@ class LocalizationNode {
 
   Config config_;
   NodeContext& context_;
-  ScanPairing pairing_;
+  pipeline::ScanPairing pairing_;
   std::optional<ScratchFolder> scratch_;  ///< with record_session
   std::size_t recordings_ = 0;            ///< that the loader began
   KeyFrameFeed key_frames_;

@@ -13,6 +13,7 @@
 #include <ros/spinner.h>
 #include <ros/wall_timer.h>
 
+#include "lidar_mapping/map/display_map.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/node.hpp"
@@ -20,7 +21,6 @@
 #include "lidar_mapping/session/session.hpp"
 
 #include "display/drive_display.hpp"
-#include "map_viewer/display_map.hpp"
 #include "map_viewer_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -42,7 +42,7 @@ class MapViewerNode {
     Run(const map::MapConfig& config, const std::filesystem::path& folder)
         : clouds(folder), display(config, clouds) {}
     session::CloudStore clouds;
-    DisplayMap display;
+    map::DisplayMap display;
   };
   /// What a map is made of.
   struct MapInput {

@@ -29,18 +29,14 @@ std::string limit_words(const Json& figures) {
                    figures["section_m"].get<double>(), kLeastAgreement);
 }
 
-std::string counted(std::size_t count, const char* one, const char* several) {
-  return formatted("%zu %s", count, count == 1 ? one : several);
-}
-
 void add_losses(const Json& losses, std::vector<std::string>& faults) {
   std::vector<std::string> places;
   for (const Json& loss : losses) {
     if (loss["in_map"].get<bool>()) places.push_back(place_words(loss));
   }
   if (places.empty()) return;
-  faults.push_back("lost " + counted(places.size(), "time", "times") + " in it (first " +
-                   places.front() + ")");
+  faults.push_back("lost " + counted(places.size(), "time") + " in it (first " + places.front() +
+                   ")");
 }
 
 void add_jumps(const Json& jumps, std::vector<std::string>& faults) {
@@ -49,7 +45,7 @@ void add_jumps(const Json& jumps, std::vector<std::string>& faults) {
       std::max_element(jumps.begin(), jumps.end(), [](const Json& a, const Json& b) {
         return a["error_m"].get<double>() < b["error_m"].get<double>();
       });
-  faults.push_back(counted(jumps.size(), "jump", "jumps") +
+  faults.push_back(counted(jumps.size(), "jump") +
                    formatted(" (largest %.2f m, ", (*largest)["error_m"].get<double>()) +
                    place_words(*largest) + ")");
 }
@@ -60,8 +56,8 @@ void add_weak_sections(const Json& figures, std::vector<std::string>& faults) {
     return section["agreement"].get<double>() < kLeastAgreement;
   });
   if (weak == 0) return;
-  faults.push_back(counted(static_cast<std::size_t>(weak), "weak section", "weak sections") +
-                   " (worst " + section_words(passed.front()) + ")");
+  faults.push_back(counted(static_cast<std::size_t>(weak), "weak section") + " (worst " +
+                   section_words(passed.front()) + ")");
 }
 
 /// What speaks against the map beside the path that was not followed.

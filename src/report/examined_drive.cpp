@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "examined_drive.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -11,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
@@ -141,9 +141,8 @@ void check_map(const fs::path& folder, const MapIdentity& localized_in, const Ma
 /// the same in several drives.
 void check_independence(const fs::path& folder, const std::vector<ExaminedScan>& scans,
                         const KeyFramePoses& map) {
-  const auto is_before = [](const ExaminedScan& scan, Stamp stamp) { return scan.stamp < stamp; };
   for (const KeyFramePose& pose : map.poses) {
-    const auto found = std::lower_bound(scans.begin(), scans.end(), pose.stamp, is_before);
+    const auto found = first_not_before(scans, pose.stamp);
     if (found == scans.end() || found->stamp != pose.stamp || pose.stamp < kFirstDate) continue;
     throw InputError("the drive in " + folder.string() +
                      " does not examine this map, because the map was made from it: key frame " +

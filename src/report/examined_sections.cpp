@@ -4,9 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
-
-#include "report_statistics.hpp"
 
 namespace lidar_mapping::report {
 
@@ -69,7 +68,7 @@ void carry(const ScanLocation& from_location, const ExaminedScan& from, const Ex
 }
 
 std::vector<ExaminedSection> sections_of(const KeyFramePoses& map) {
-  const std::vector<double> distances = distances_of(map);
+  const std::vector<double> distances = travelled_distances(map);
   std::vector<ExaminedSection> sections;
   std::int64_t last_number = -1;
   for (std::size_t i = 0; i < distances.size(); ++i) {

@@ -5,13 +5,13 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
 #include "report_figures.hpp"
-#include "report_statistics.hpp"
 
 namespace lidar_mapping::report {
 
@@ -106,7 +106,7 @@ GnssDifferences differences_of(const std::vector<MeasuredPosition>& measured,
     const Eigen::Vector3d& truth = position.pair.truth.translation;
     Eigen::Vector3d d = truth - position.pair.estimate.translation;
     if (!with_height) d.z() = 0.0;
-    const double sigma = std::sqrt(0.5 * position.covariance.topLeftCorner<2, 2>().trace());
+    const double sigma = horizontal_stddev(position.covariance);
     found.rows.push_back(
         {distances[position.pose], d.x(), d.y(), d.z(), sigma, truth.x(), truth.y()});
     found.sigmas.push_back(sigma);
@@ -161,7 +161,7 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
   const bool in_enu = is_in_enu(input.session);
   std::vector<MeasuredPosition> measured = measured_positions(input.poses, back_end.positions());
   if (!in_enu) align(measured);
-  const GnssDifferences found = differences_of(measured, distances_of(input.poses));
+  const GnssDifferences found = differences_of(measured, travelled_distances(input.poses));
   return {{"positions", measured.size()},
           {"used_by_graph", in_enu},
           {"median_horizontal_m", quantile(found.horizontal, 0.5)},

@@ -8,11 +8,10 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
-
-#include "report_statistics.hpp"
 
 namespace lidar_mapping::report {
 
@@ -65,7 +64,7 @@ ReportInput report_input(const session::Session& session, std::optional<Trajecto
 
 json::Json drive_figures(const ReportInput& input) {
   const auto& poses = input.poses.poses;
-  const auto distances = distances_of(input.poses);
+  const auto distances = travelled_distances(input.poses);
   json::Json figures = {
       {"key_frames", poses.size()},
       {"length_m", distances.empty() ? 0.0 : distances.back()},
@@ -79,7 +78,7 @@ json::Json drive_figures(const ReportInput& input) {
 }
 
 json::Json trajectory_figures(const ReportInput& input) {
-  const auto distances = distances_of(input.poses);
+  const auto distances = travelled_distances(input.poses);
   json::Json rows = json::Json::array();
   double farthest = 0.0;
   double vertical = 0.0;

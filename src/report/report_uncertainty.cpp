@@ -6,12 +6,12 @@
 #include <set>
 #include <sstream>
 
+#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
 #include "report_figures.hpp"
-#include "report_statistics.hpp"
 
 namespace lidar_mapping::report {
 
@@ -38,7 +38,7 @@ std::set<KeyFrameIndex> constrained_ones(const ReportInput& input,
 
 /// The longest part of the path on odometry alone.
 json::Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& constrained) {
-  const auto distances = distances_of(input.poses);
+  const auto distances = travelled_distances(input.poses);
   double begin = 0.0;
   double longest = 0.0;
   double at = 0.0;
@@ -63,7 +63,7 @@ std::vector<KeyFrameUncertainty> uncertainties_of(
     const ReportInput& input, const std::vector<KeyFrameDeviation>& deviations) {
   std::map<KeyFrameIndex, const KeyFrameDeviation*> by_index;
   for (const KeyFrameDeviation& deviation : deviations) by_index[deviation.index] = &deviation;
-  const std::vector<double> distances = distances_of(input.poses);
+  const std::vector<double> distances = travelled_distances(input.poses);
   std::vector<KeyFrameUncertainty> uncertainties;
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const KeyFramePose& pose = input.poses.poses[i];

@@ -8,6 +8,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -16,14 +17,6 @@ namespace lidar_mapping::session {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string dated_name(std::time_t now) {
-  std::tm local{};
-  localtime_r(&now, &local);
-  char name[32];
-  std::strftime(name, sizeof name, "%Y-%m-%d_%H-%M-%S", &local);
-  return name;
-}
 
 /// Creates a folder. Returns false if it existed; this is atomic, so that two processes cannot both
 /// create it.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/session/trajectory_files.hpp"
 
-#include <algorithm>
 #include <map>
 #include <set>
 
@@ -30,12 +29,6 @@ Trajectory restricted_to(const Trajectory& trajectory, const std::set<Stamp>& st
   return result;
 }
 
-/// Merged drives may overlap in time.
-void sort_by_stamp(Trajectory& trajectory) {
-  std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(),
-                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
-}
-
 }  // namespace
 
 KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFramePoses& poses,
@@ -53,6 +46,7 @@ KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFra
     result.gnss.poses.push_back(
         {pose.stamp, gnss_pose(position->second, pose.T_map_base.rotation)});
   }
+  // Merged drives may overlap in time.
   for (Trajectory* trajectory : {&result.laser_odom, &result.optimized, &result.gnss}) {
     sort_by_stamp(*trajectory);
   }

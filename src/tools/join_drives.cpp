@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Joins many drives step by step, each step from files to files: the jobs of map_city.
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -9,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/folder_entries.hpp"
 
 #include "city_files.hpp"
 #include "city_session.hpp"
@@ -78,11 +78,8 @@ void search(const Options& options) {
 /// The files of loops in a folder, in the order of their names.
 std::vector<city::PairLoops> loops_in(const std::string& folder) {
   if (folder.empty()) return {};
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() == ".json") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
+  const std::vector<fs::path> files = sorted_paths_in(
+      folder, [](const fs::directory_entry& entry) { return entry.path().extension() == ".json"; });
   std::vector<city::PairLoops> loops;
   for (const fs::path& file : files) loops.push_back(city::read_loops(file));
   return loops;

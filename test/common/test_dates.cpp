@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdlib>
+#include <ctime>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/dates.hpp"
@@ -13,6 +16,16 @@ constexpr Stamp kMidnight = 1'777'593'600 * kSecond;  // 2026-05-01, date -u -d 
 TEST(Dates, AreWrittenInUtc) {
   EXPECT_EQ(iso_date(kMidnight), "2026-05-01T00:00:00Z");
   EXPECT_EQ(iso_date(kMidnight + 3661 * kSecond + 5), "2026-05-01T01:01:01Z");
+}
+
+TEST(Dates, NameFilesByTheLocalTime) {
+  const char* const zone = std::getenv("TZ");
+  const std::string before = zone == nullptr ? "" : zone;
+  setenv("TZ", "XYZ-2", 1);  // two hours east, without a rule for the summer
+  tzset();
+  EXPECT_EQ(dated_name(kMidnight / kSecond + 3661), "2026-05-01_03-01-01");
+  zone == nullptr ? unsetenv("TZ") : setenv("TZ", before.c_str(), 1);
+  tzset();
 }
 
 TEST(Dates, EndWithTheirLastNanosecond) {

@@ -26,6 +26,12 @@ TEST(Text, JoinsWithASeparator) {
   EXPECT_EQ(joined({"one", "two"}, "\n"), "one\ntwo");
 }
 
+TEST(Text, CountsOneAndSeveral) {
+  EXPECT_EQ(counted(0, "loop"), "0 loops");
+  EXPECT_EQ(counted(1, "key frame"), "1 key frame");
+  EXPECT_EQ(counted(2, "key frame"), "2 key frames");
+}
+
 TEST(Text, IsOneOfSeveral) {
   EXPECT_TRUE(contains({"pcd", "ply"}, "ply"));
   EXPECT_FALSE(contains({"pcd", "ply"}, "las"));

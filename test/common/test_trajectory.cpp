@@ -123,6 +123,18 @@ TEST(TrajectoryTest, RefusesNonsenseWithFileAndLine) {
   }
 }
 
+TEST(TrajectoryTest, SortsByStampAndKeepsTheOrderOfEqualOnes) {
+  Trajectory trajectory;
+  for (const auto& [stamp, x] : {std::pair(30, 1.0), std::pair(10, 2.0), std::pair(30, 3.0),
+                                 std::pair(20, 4.0), std::pair(10, 5.0)}) {
+    trajectory.poses.push_back({stamp, {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}});
+  }
+  sort_by_stamp(trajectory);
+  std::vector<double> order;
+  for (const StampedPose& pose : trajectory.poses) order.push_back(pose.pose.translation.x());
+  EXPECT_EQ(order, (std::vector<double>{2.0, 5.0, 4.0, 1.0, 3.0}));
+}
+
 TEST(PoseAt, InterpolatesWithinShortGapsOnly) {
   Trajectory trajectory;
   trajectory.poses.push_back({from_seconds(1.0), Pose{}});

@@ -101,6 +101,8 @@ TEST(SessionMap, HasThePlacesOfTheSessionAndItsDatum) {
   SessionMap map(folder.path(), {}, 1);
   const Session session = Session::open(folder.path(), Session::Access::kRead);
   EXPECT_EQ(map.index().places().size(), session.key_frame_count());
+  EXPECT_EQ(map.size_text().find(std::to_string(session.key_frame_count()) + " places, "), 0U)
+      << map.size_text();
   ASSERT_TRUE(map.datum().has_value());
   EXPECT_EQ(map.datum()->latitude_deg, session.datum()->latitude_deg);
   const std::size_t coarse = map.cloud(2.0).size(), fine = map.cloud(0.5).size();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
@@ -25,6 +26,12 @@ struct KeyFrame {
   /// contains the expected error.
   bool doubtful = false;
   PointCloudPtr cloud;  ///< in base_link, deskewed to the stamp; null where it is stored elsewhere
+};
+
+/// A key frame and the run that it belongs to.
+struct RunKeyFrame {
+  std::string run_id;  ///< names the run
+  KeyFrame key_frame;  ///< with or without its cloud
 };
 
 /// Pose of a key frame in the map.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "lidar_mapping/common/pose.hpp"
@@ -49,6 +50,12 @@ struct GeodeticDatum {
            altitude_m == other.altitude_m;
   }
 };
+
+/// Standard deviation (m) of a horizontal coordinate, the root mean square of east and north, of a
+/// position with this covariance (m^2, East-North-Up).
+inline double horizontal_stddev(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(0.5 * covariance.topLeftCorner<2, 2>().trace());
+}
 
 /// Position of the antenna in the local East-North-Up frame at a scan's stamp.
 struct GnssPosition {

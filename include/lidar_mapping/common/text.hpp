@@ -14,6 +14,9 @@ std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 
 /// The parts one after the other, with `separator` between them.
 std::string joined(const std::vector<std::string>& parts, const std::string& separator = ", ");
 
+/// A number of things: "1 key frame", otherwise "3 key frames", with an s behind the noun.
+std::string counted(std::size_t count, const std::string& noun);
+
 /// Whether a text is one of several.
 bool contains(const std::vector<std::string>& texts, const std::string& text);
 

@@ -22,6 +22,10 @@ struct Trajectory {
   bool has_stamps = true;          ///< KITTI's files have none: stamps are line numbers then
 };
 
+/// Brings the poses into the order of their stamps; those of equal stamps stay in the order they
+/// have.
+void sort_by_stamp(Trajectory& trajectory);
+
 /// Pose at a stamp between those of two poses; empty if these are more than `largest_gap_s` apart.
 std::optional<Pose> pose_between(const StampedPose& before, const StampedPose& after, Stamp stamp,
                                  double largest_gap_s);

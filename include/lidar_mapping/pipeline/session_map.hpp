@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "lidar_mapping/localization/map_index.hpp"
 #include "lidar_mapping/session/session.hpp"
@@ -29,6 +30,8 @@ class SessionMap {
   /// The points of all key frames in the map, one for each voxel of edge `resolution` (m); for
   /// display.
   PointCloud cloud(double resolution) const;
+  /// How large it is, for people: "12 places, 3400 Gaussians, tables of 5 MB".
+  std::string size_text() const;
   /// Folder of the session.
   const std::filesystem::path& directory() const { return session_.directory(); }
 

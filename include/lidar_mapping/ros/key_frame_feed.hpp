@@ -11,12 +11,6 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A key frame and the run that it belongs to.
-struct RunKeyFrame {
-  std::string run_id;  ///< names the run
-  KeyFrame key_frame;  ///< with or without its cloud
-};
-
 /// Indices of the key frames of a run that exist, or some of them.
 struct RunIndices {
   std::string run_id;                  ///< names the run

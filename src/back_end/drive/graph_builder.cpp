@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drive/graph_builder.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 
 #include "gnss/gnss_weights.hpp"
 #include "weights/edge_covariance.hpp"
@@ -46,10 +46,8 @@ void check_key_frame(const KeyFrame& key_frame, const DriveGraph& drive) {
 }
 
 std::optional<int> position_of(KeyFrameIndex index, const DriveGraph& drive) {
-  const auto found = std::lower_bound(
-      drive.nodes.begin(), drive.nodes.end(), index,
-      [](const DriveNode& node, KeyFrameIndex wanted) { return node.index < wanted; });
-  if (found == drive.nodes.end() || found->index != index) return std::nullopt;
+  const auto found = find_index(drive.nodes, index);
+  if (found == drive.nodes.end()) return std::nullopt;
   return static_cast<int>(found - drive.nodes.begin());
 }
 

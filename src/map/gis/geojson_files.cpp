@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
 
+#include "lidar_mapping/common/path_length.hpp"
+
 #include "gis/geojson.hpp"
 #include "map_products.hpp"
 
@@ -12,9 +14,8 @@ using json::Json;
 using Line = std::vector<Eigen::Vector3d>;
 
 double length_of(const Line& line) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
-  return length;
+  return path_length(
+      line.size(), [&](std::size_t i) -> const auto& { return line[i]; });
 }
 
 Json path_features(const DriveMarks& marks, const GeoJson& geojson) {

@@ -4,6 +4,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
 #include "back_end_node.hpp"
@@ -16,10 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using session::Session;
-
-std::string count_of(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
-}
 
 /// Relative paths start at the working directory of the node.
 fs::path absolute_folder(const std::string& path) {
@@ -49,8 +46,8 @@ DumpGraph::Response dumped(const Snapshot& snapshot, const std::string& destinat
   answer.directory = directory.string();
   answer.key_frames = static_cast<std::uint32_t>(snapshot.graph.nodes.size());
   answer.edges = static_cast<std::uint32_t>(snapshot.graph.edges.size());
-  answer.message = count_of(answer.key_frames, "key frame") + " and " +
-                   count_of(answer.edges, "edge") + " written to " + answer.directory +
+  answer.message = counted(answer.key_frames, "key frame") + " and " +
+                   counted(answer.edges, "edge") + " written to " + answer.directory +
                    ", with the poses of the last optimisation";
   return answer;
 }
@@ -61,8 +58,8 @@ LoadGraph::Response loaded(const Session& session, const fs::path& path) {
   answer.session = session.directory().string();
   answer.key_frames = static_cast<std::uint32_t>(session.key_frame_count());
   answer.loops = static_cast<std::uint32_t>(session.loops().size());
-  answer.message = count_of(answer.key_frames, "key frame") + " and " +
-                   count_of(answer.loops, "loop") + " loaded from " + path.string() +
+  answer.message = counted(answer.key_frames, "key frame") + " and " +
+                   counted(answer.loops, "loop") + " loaded from " + path.string() +
                    "; the drive continues in the session " + answer.session +
                    ", in a new segment of the trajectory";
   if (!session.datum() && !session.gnss().empty()) {
@@ -99,7 +96,7 @@ bool BackEndNode::load_graph(LoadGraph::Request& request, LoadGraph::Response& r
 LoadGraph::Response BackEndNode::load(const std::string& path) {
   const std::size_t known = run_ ? run_->session().key_frame_count() : 0;
   if (known > 0) {
-    throw InputError("a drive is under way (" + count_of(known, "key frame") + " in " +
+    throw InputError("a drive is under way (" + counted(known, "key frame") + " in " +
                      run_->session().directory().string() +
                      "); restart back_end_node and load before the first scan");
   }

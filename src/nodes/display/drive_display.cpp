@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lidar_mapping/common/path_length.hpp"
+
 #include "display/age_markers.hpp"
 #include "display/drive_status.hpp"
 #include "display/path_display.hpp"
@@ -21,15 +23,6 @@ constexpr std::uint32_t kQueue = 2;   // messages on their way; chosen: more wou
 
 bool is_silent(const DriveView& view) {
   return !view.state.empty() && ros::WallTime::now() - view.newest_scan > kSilence;
-}
-
-double length_of(const KeyFramePoses& poses) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < poses.poses.size(); ++i) {
-    length +=
-        (poses.poses[i].T_map_base.translation - poses.poses[i - 1].T_map_base.translation).norm();
-  }
-  return length;
 }
 
 }  // namespace
@@ -137,7 +130,7 @@ visualization_msgs::Marker DriveDisplay::status() {
   }
   status.optimize_map = context_.node.resolveName("optimize_map");
   status.save_map = context_.node.resolveName("save_map");
-  status.length = length_of(poses);
+  status.length = path_length(poses);
   for (const auto& [pair, loop] : view.loops) {
     ++(loop.verdict == Verdict::kRefused ? status.loops_refused : status.loops_used);
   }

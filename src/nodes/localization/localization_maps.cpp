@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
-#include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/map/display_map.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 
-#include "localization/display_resolution.hpp"
 #include "localization_node.hpp"
 #include "worker_tasks.hpp"
 
 // Maps: reading them, and the services relocalize and load_map.
 namespace lidar_mapping::ros_border {
-
-namespace {
-
-std::string summary_of(pipeline::SessionMap& map) {
-  return formatted("the map %s: %zu places, %zu Gaussians, tables of %.0f MB",
-                   map.directory().c_str(), map.index().places().size(), map.index().gaussians(),
-                   static_cast<double>(map.index().bytes()) * 1e-6);
-}
-
-}  // namespace
 
 /// Services wait for a map or for the worker, so they run in a thread of their own.
 void LocalizationNode::advertise_services() {
@@ -49,9 +38,10 @@ void LocalizationNode::load_first(const std::string& folder) {
 std::string LocalizationNode::load(const std::string& folder) {
   auto active_map = std::make_shared<ActiveMap>(expanded_path(folder), config_.stage);
   begin_recording(*active_map);
-  const double resolution = display_resolution(active_map->map.index().gaussians());
+  const double resolution = map::display_resolution(active_map->map.index().gaussians());
   const auto cloud = std::make_shared<PointCloud>(active_map->map.cloud(resolution));
-  const std::string summary = summary_of(active_map->map);
+  const std::string summary =
+      "the map " + active_map->map.directory().string() + ": " + active_map->map.size_text();
   context_.worker.post(requests_, [this, active_map, cloud] { use(active_map, *cloud); });
   ROS_INFO_STREAM(summary);
   return summary;

@@ -48,7 +48,8 @@ void LocalizationNode::subscribe_drive() {
   subscribers_.push_back(subscribe<FrontEndStatusMessage>(
       context_, "front_end_status", capacity,
       [this](const auto& m) {
-        if (DriveRecorder* const recorder = present_recorder()) recorder->add_scan(to_record(*m));
+        if (pipeline::DriveRecorder* const recorder = present_recorder())
+          recorder->add_scan(to_record(*m));
       },
       Numbered::kYes));
 }
@@ -70,26 +71,26 @@ void LocalizationNode::begin_recording(ActiveMap& active_map) {
   }
 }
 
-DriveRecorder* LocalizationNode::present_recorder() {
+pipeline::DriveRecorder* LocalizationNode::present_recorder() {
   return active_map_ && active_map_->recorder ? &*active_map_->recorder : nullptr;
 }
 
 void LocalizationNode::record(const RunKeyFrame& received) {
-  DriveRecorder* const recorder = present_recorder();
+  pipeline::DriveRecorder* const recorder = present_recorder();
   if (recorder == nullptr) return;
   recorder->add_key_frame(received);
   context_.diagnostics.set("key frames given up", key_frames_.missing());
 }
 
 void LocalizationNode::record(const localization::LocalizationResult& place) {
-  DriveRecorder* const recorder = present_recorder();
+  pipeline::DriveRecorder* const recorder = present_recorder();
   if (recorder == nullptr) return;
   recorder->add_place(place);
   context_.diagnostics.set("key frames recorded", recorder->drive().key_frames.size());
 }
 
 void LocalizationNode::withdraw_place() {
-  if (DriveRecorder* const recorder = present_recorder()) recorder->withdraw_place();
+  if (pipeline::DriveRecorder* const recorder = present_recorder()) recorder->withdraw_place();
 }
 
 /// Writing takes longer than scans can wait, so the worker gives a copy of the drive to the loader.
@@ -106,7 +107,7 @@ bool LocalizationNode::save_session(SaveSession::Request& request,
 LocalizationNode::DriveSoFar LocalizationNode::drive_so_far() {
   if (!active_map_) throw InputError(loading_);
   key_frames_.flush();
-  const DriveRecorder* const recorder = present_recorder();
+  const pipeline::DriveRecorder* const recorder = present_recorder();
   if (recorder == nullptr) throw InputError(active_map_->why_not_recorded);
   if (!is_found(recorder->drive())) {
     throw InputError("the place was not found in the map " + active_map_->map.directory().string() +

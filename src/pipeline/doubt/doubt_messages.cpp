@@ -43,8 +43,7 @@ std::string section_counts(const DriveDoubt& drive, Doubt doubt) {
     ++section_count;
   }
   if (section_count == 0) return {};
-  return formatted("%zu %s %s in %zu %s", scans, scans == 1 ? "scan" : "scans", to_string(doubt),
-                   section_count, section_count == 1 ? "place" : "places");
+  return counted(scans, "scan") + ' ' + to_string(doubt) + " in " + counted(section_count, "place");
 }
 
 }  // namespace

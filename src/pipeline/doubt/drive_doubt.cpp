@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lidar_mapping/back_end/relative_covariance.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -130,10 +131,7 @@ class SectionAssessment {
  private:
   /// Position in key_frames_ of the first key frame at or after a stamp; its size if there is none.
   std::size_t first_key_frame_from(Stamp stamp) const {
-    const auto found =
-        std::lower_bound(key_frames_.begin(), key_frames_.end(), stamp,
-                         [](const KeyFrame& k, Stamp value) { return k.stamp < value; });
-    return static_cast<std::size_t>(found - key_frames_.begin());
+    return static_cast<std::size_t>(first_not_before(key_frames_, stamp) - key_frames_.begin());
   }
 
   /// Error that the odometry claims between the key frames around a section. Errors of rotation

@@ -31,11 +31,11 @@ std::string added_line(const ExtensionReport& report) {
     new_path_length += section.new_path_length;
     ties += section.ties.size();
   }
-  const std::size_t sections = report.extension.sections.size();
   return formatted(
-      "added to the map: %.0f m of new path in %zu %s; %zu key frames including those of the "
+      "added to the map: %.0f m of new path in %s; %zu key frames including those of the "
       "adjacent known path, with %zu constraints to the map",
-      new_path_length, sections, sections == 1 ? "section" : "sections", report.key_frames, ties);
+      new_path_length, counted(report.extension.sections.size(), "section").c_str(),
+      report.key_frames, ties);
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "folders/kitti_raw.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/folder_entries.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/rotations.hpp"
@@ -101,9 +101,8 @@ std::vector<OxtsSample> read_oxts(const fs::path& folder) {
   const fs::path data = folder / "data";
   if (!fs::is_directory(data)) throw FileError("no folder " + data.string() + "; copy it again");
   const std::vector<Stamp> stamps = read_kitti_dates(folder / "timestamps.txt");
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(data)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+  const std::vector<fs::path> files =
+      sorted_paths_in(data, [](const fs::directory_entry&) { return true; });
   if (files.size() > stamps.size()) {
     throw FileError((folder / "timestamps.txt").string() + " has " + std::to_string(stamps.size()) +
                     " dates for " + std::to_string(files.size()) +

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pipeline/scan_clouds.hpp"
 
-#include <algorithm>
 #include <memory>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 
@@ -27,9 +27,7 @@ class ScanCollector {
 
   void add(preprocessing::SyncedScan&& synced) {
     const Stamp stamp = synced.scan.stamp;
-    const auto found =
-        std::lower_bound(scans_.begin(), scans_.end(), stamp,
-                         [](const ScanPose& scan, Stamp wanted) { return scan.stamp < wanted; });
+    const auto found = first_not_before(scans_, stamp);
     if (found == scans_.end() || found->stamp != stamp) return;
     if (count_++ % selection_.every != 0) return;
     Vector6d acceleration = found->acceleration;

@@ -2,6 +2,7 @@
 #include "lidar_mapping/pipeline/session_map.hpp"
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 #include "lidar_mapping/session/imported_map.hpp"
 
@@ -42,6 +43,12 @@ PointCloud SessionMap::cloud(double resolution) const {
   PointCloud result;
   for (const Eigen::Vector3f& p : voxels.points()) result.points.push_back({p.x(), p.y(), p.z()});
   return result;
+}
+
+std::string SessionMap::size_text() const {
+  constexpr double kMegabyte = 1e6;  // bytes, by SI
+  return formatted("%zu places, %zu Gaussians, tables of %.0f MB", index_.places().size(),
+                   index_.gaussians(), static_cast<double>(index_.bytes()) / kMegabyte);
 }
 
 std::optional<GeodeticDatum> SessionMap::datum() const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -26,12 +27,7 @@ std::vector<PathPoint> path_of(const session::Session& session, const KeyFramePo
 
 std::vector<LoopMark> loops_of(const session::Session& session,
                                const std::vector<PathPoint>& path) {
-  const auto is_placed = [&](KeyFrameIndex index) {
-    const auto found = std::lower_bound(
-        path.begin(), path.end(), index,
-        [](const PathPoint& point, KeyFrameIndex wanted) { return point.index < wanted; });
-    return found != path.end() && found->index == index;
-  };
+  const auto is_placed = [&](KeyFrameIndex index) { return find_index(path, index) != path.end(); };
   const auto verdicts = newest_verdicts(session.verdicts());
   std::vector<LoopMark> loops;
   for (const Loop& loop : session.loops()) {

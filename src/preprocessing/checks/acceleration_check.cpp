@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 #include "checks/input_checks.hpp"
@@ -63,12 +64,6 @@ std::vector<TimedValue> forces_ahead(const ImuRecord& imu, const Pose& T_base_se
   return has_gravity ? forces : std::vector<TimedValue>();
 }
 
-std::vector<TimedValue>::const_iterator first_from(const std::vector<TimedValue>& values,
-                                                   Stamp stamp) {
-  return std::lower_bound(values.begin(), values.end(), stamp,
-                          [](const TimedValue& value, Stamp other) { return value.stamp < other; });
-}
-
 std::vector<Accelerations> accelerations(const std::vector<TimedValue>& speeds,
                                          const std::vector<TimedValue>& forces) {
   std::vector<Accelerations> windows;
@@ -76,13 +71,13 @@ std::vector<Accelerations> accelerations(const std::vector<TimedValue>& speeds,
   const Stamp end = std::min(speeds.back().stamp, forces.back().stamp);
   Stamp begin = std::max(speeds.front().stamp, forces.front().stamp);
   for (; begin + kWindow <= end; begin += kWindow) {
-    const auto from = first_from(forces, begin);
-    const auto until = first_from(forces, begin + kWindow);
+    const auto from = first_not_before(forces, begin);
+    const auto until = first_not_before(forces, begin + kWindow);
     if (from == until) continue;
     double sum = 0.0;
     for (auto force = from; force != until; ++force) sum += force->value;
     const double change =
-        first_from(speeds, begin + kWindow)->value - first_from(speeds, begin)->value;
+        first_not_before(speeds, begin + kWindow)->value - first_not_before(speeds, begin)->value;
     windows.push_back({sum / static_cast<double>(until - from), change / to_seconds(kWindow)});
   }
   return windows;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "checks/input_checks.hpp"
@@ -59,9 +60,7 @@ std::vector<TimedValue> headings_of(const ImuRecord& imu, const Eigen::Quaternio
 
 /// The first value at or after a stamp, which is not later than the last one.
 double value_at(const std::vector<TimedValue>& values, Stamp stamp) {
-  return std::lower_bound(values.begin(), values.end(), stamp,
-                          [](const TimedValue& value, Stamp other) { return value.stamp < other; })
-      ->value;
+  return first_not_before(values, stamp)->value;
 }
 
 }  // namespace

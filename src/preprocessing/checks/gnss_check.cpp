@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/common/text.hpp"
 
 #include "checks/input_checks.hpp"
@@ -58,9 +59,7 @@ std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingCon
 
 /// The first value at or after a stamp.
 double value_from(const std::vector<TimedValue>& values, Stamp stamp, double otherwise) {
-  const auto at =
-      std::lower_bound(values.begin(), values.end(), stamp,
-                       [](const TimedValue& value, Stamp other) { return value.stamp < other; });
+  const auto at = first_not_before(values, stamp);
   return at == values.end() ? otherwise : at->value;
 }
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/common/sorted_values.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -21,7 +21,7 @@ class SampleBuffer {
   /// Inserts a sample. Returns false and changes nothing if its stamp is in the buffer already or
   /// older than the buffer's span.
   bool insert(Sample sample) {
-    const auto at = std::lower_bound(samples_.begin(), samples_.end(), sample.stamp, is_before);
+    const auto at = first_not_before(samples_, sample.stamp);
     if (at != samples_.end() && at->stamp == sample.stamp) return false;
     if (at == samples_.begin() && !samples_.empty() && dropped_some_) return false;
     samples_.insert(at, std::move(sample));
@@ -36,7 +36,7 @@ class SampleBuffer {
   /// The neighbours of `stamp` (the same sample twice if it has exactly this stamp) if they are at
   /// most `max_gap` apart: the only pair between which values may be interpolated.
   std::optional<std::pair<const Sample*, const Sample*>> around(Stamp stamp, Stamp max_gap) const {
-    const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp, is_before);
+    const auto after = first_not_before(samples_, stamp);
     if (after == samples_.end()) return std::nullopt;
     if (after->stamp == stamp) return std::make_pair(&*after, &*after);
     if (after == samples_.begin()) return std::nullopt;
@@ -47,7 +47,7 @@ class SampleBuffer {
 
   /// The sample before the one with this stamp, if it is at most `max_gap` older; otherwise null.
   const Sample* before(Stamp stamp, Stamp max_gap) const {
-    const auto at = std::lower_bound(samples_.begin(), samples_.end(), stamp, is_before);
+    const auto at = first_not_before(samples_, stamp);
     if (at == samples_.begin()) return nullptr;
     const auto earlier = std::prev(at);
     return stamp - earlier->stamp <= max_gap ? &*earlier : nullptr;
@@ -77,7 +77,6 @@ class SampleBuffer {
   }
 
  private:
-  static bool is_before(const Sample& sample, Stamp stamp) { return sample.stamp < stamp; }
   static bool is_after(Stamp stamp, const Sample& sample) { return sample.stamp > stamp; }
 
   Stamp horizon_;

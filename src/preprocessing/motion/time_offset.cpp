@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/sorted_values.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -15,9 +17,7 @@ constexpr double kSlopeInterval = 0.2;
 constexpr std::size_t kMinValues = 100;  // a second at 100 Hz; chosen: fewer may hold no turn
 
 std::optional<double> value_at(const std::vector<TimedValue>& values, Stamp stamp) {
-  const auto after =
-      std::lower_bound(values.begin(), values.end(), stamp,
-                       [](const TimedValue& value, Stamp at) { return value.stamp < at; });
+  const auto after = first_not_before(values, stamp);
   if (after == values.begin() || after == values.end()) return std::nullopt;
   const auto before = std::prev(after);
   const double gap = to_seconds(after->stamp - before->stamp);

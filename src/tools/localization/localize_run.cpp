@@ -13,6 +13,7 @@
 #include "lidar_mapping/common/thread_time.hpp"
 #include "lidar_mapping/pipeline/map_extender.hpp"
 #include "lidar_mapping/pipeline/recorded_odometry.hpp"
+#include "lidar_mapping/pipeline/relative_odometry.hpp"
 #include "lidar_mapping/pipeline/scan_record.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
 
@@ -65,29 +66,21 @@ class LocalizedDrive {
     if (odometry.key_frame) extender_->add_key_frame(*odometry.key_frame, place);
   }
 
-  struct Odometry {
-    Pose T_odom_base;
-    std::uint32_t segment = 0;
-  };
-
   /// Takes the points of the scan.
   localization::LocalizerInput input_of(pipeline::OdometryScan& scan) {
-    const Odometry now{scan.result.T_odom_base, scan.result.segment};
-    localization::LocalizerInput input;
-    input.scan = std::move(scan.scan);
-    input.covariance = scan.result.covariance;
+    pipeline::OdometryStep step{scan.result.stamp, scan.result.T_odom_base, {}};
+    if (segment_ == scan.result.segment) step.covariance = scan.result.covariance;
+    segment_ = scan.result.segment;
+    motion_.add(step);
+    localization::LocalizerInput input = motion_.input_of(std::move(scan.scan));
     input.p_base_lidar = scan.p_base_lidar;
-    input.is_connected = previous_ && previous_->segment == now.segment;
-    if (input.is_connected) {
-      input.T_previous_base = previous_->T_odom_base.inverse() * now.T_odom_base;
-    }
-    previous_ = now;
     return input;
   }
 
   localization::Localizer localizer_;
   pipeline::MapExtender* extender_;
-  std::optional<Odometry> previous_;
+  pipeline::RelativeOdometry motion_;
+  std::optional<std::uint32_t> segment_;  ///< of the newest scan
   std::vector<LocalizedScan> scans_;
   double path_ = 0.0;
 };
@@ -111,7 +104,7 @@ class LocalizingRun {
     print(drive.lines);
     const RecordingPart part(*drive.input, options_.start, options_.duration);
     pipeline::SessionMap map(options_.map, stages_.pipeline.loop_closing, stages_.pipeline.threads);
-    print_map(map);
+    print({"map: " + map.size_text()});
     if (!options_.extend.empty()) {
       extender_.emplace(options_.map, pipeline::folder_beside(options_.extend));
     }
@@ -129,12 +122,6 @@ class LocalizingRun {
   }
 
  private:
-  static void print_map(pipeline::SessionMap& map) {
-    std::printf("map: %zu places, %zu Gaussians, tables of %.0f MB\n", map.index().places().size(),
-                map.index().gaussians(), static_cast<double>(map.index().bytes()) * 1e-6);
-    std::fflush(stdout);
-  }
-
   void read(pipeline::InputSource& input, const RecordingPart& part, LocalizedDrive& localized) {
     pipeline::RecordedOdometry odometry(
         stages_.pipeline, [&input](const std::string& frame) { return input.T_base(frame); },

@@ -5,17 +5,15 @@
 #include <utility>
 
 #include "lidar_mapping/pipeline/map_extender.hpp"
+#include "lidar_mapping/pipeline/place_pairing.hpp"
 
-#include "localization/place_pairing.hpp"
-
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::pipeline {
 
 /// Records a drive that is localised in a map, so that it can extend the map. One thread calls it.
 class DriveRecorder {
  public:
   /// `extender` is not null, and gets what is recorded.
-  explicit DriveRecorder(std::shared_ptr<pipeline::MapExtender> extender)
-      : extender_(std::move(extender)) {}
+  explicit DriveRecorder(std::shared_ptr<MapExtender> extender) : extender_(std::move(extender)) {}
 
   /// Adds T_odom_base of a scan.
   void add_odometry(Stamp stamp, const Pose& T_odom_base) {
@@ -30,15 +28,16 @@ class DriveRecorder {
   /// The place that is claimed now was wrong, as a person says.
   void withdraw_place();
 
-  /// What was recorded so far, and what writes it.
-  const pipeline::LocalizedDrive& drive() const { return extender_->drive(); }
-  std::shared_ptr<const pipeline::MapExtender> extender() const { return extender_; }
+  /// What was recorded so far.
+  const LocalizedDrive& drive() const { return extender_->drive(); }
+  /// What writes it.
+  std::shared_ptr<const MapExtender> extender() const { return extender_; }
 
  private:
   void store_ready();
 
-  std::shared_ptr<pipeline::MapExtender> extender_;
+  std::shared_ptr<MapExtender> extender_;
   PlacePairing pairing_;
 };
 
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::pipeline

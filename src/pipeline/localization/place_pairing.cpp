@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "localization/place_pairing.hpp"
+#include "lidar_mapping/pipeline/place_pairing.hpp"
 
 #include <utility>
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::pipeline {
 
 namespace {
 
@@ -12,7 +12,7 @@ using localization::LocalizationState;
 
 /// Key frames that wait for their scans. Chosen: more than come in a second, and the scan follows
 /// within milliseconds; bounds the memory.
-constexpr std::size_t kMostWaiting = 20;
+constexpr std::size_t kMostWaitingKeyFrames = 20;
 /// Places that wait for key frames. Chosen: more than a minute of scans, and key frames come up to
 /// 7 s later (doc/nodes.md); bounds the memory.
 constexpr std::size_t kMostPlaces = 1000;
@@ -57,13 +57,13 @@ KeyFrame PlacePairing::numbered(const RunKeyFrame& received) {
 }
 
 /// Places come in the order of their stamps, so that one that is passed never comes.
-std::vector<pipeline::LocalizedKeyFrame> PlacePairing::take_ready() {
-  std::vector<pipeline::LocalizedKeyFrame> ready;
+std::vector<LocalizedKeyFrame> PlacePairing::take_ready() {
+  std::vector<LocalizedKeyFrame> ready;
   while (!waiting_.empty()) {
     const Stamp stamp = waiting_.front().stamp;
     const auto place = places_.find(stamp);
     const bool may_come = place == places_.end() && (!begin_ || stamp > newest_place_);
-    if (may_come && waiting_.size() <= kMostWaiting) break;
+    if (may_come && waiting_.size() <= kMostWaitingKeyFrames) break;
     if (begin_ && stamp >= *begin_) {
       ready.push_back(
           {std::move(waiting_.front()), place != places_.end() ? place->second : unclaimed(stamp)});
@@ -82,4 +82,4 @@ bool PlacePairing::withdraw_place() {
   return true;
 }
 
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::pipeline

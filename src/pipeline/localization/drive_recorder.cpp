@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "localization/drive_recorder.hpp"
+#include "lidar_mapping/pipeline/drive_recorder.hpp"
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::pipeline {
 
 void DriveRecorder::add_key_frame(const RunKeyFrame& received) {
   pairing_.add(received);
@@ -23,4 +23,4 @@ void DriveRecorder::withdraw_place() {
   if (pairing_.withdraw_place()) extender_->withdraw_place();
 }
 
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::pipeline

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_viewer/display_map.hpp"
+#include "lidar_mapping/map/display_map.hpp"
 
 #include <algorithm>
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::map {
 
 namespace {
 
-// m; by definition: the largest edge of voxels that map::MapConfig allows.
+// m; by definition: the largest edge of voxels that MapConfig allows.
 constexpr double kLargestVoxel = 10.0;
 // Key frames after which the points are counted, so that a long drive that is resumed is not in
 // memory with small voxels first. Chosen: some 90 MB of points.
@@ -15,7 +15,17 @@ constexpr std::size_t kCountAfter = 2000;
 
 }  // namespace
 
-DisplayMap::DisplayMap(const map::MapConfig& config, CloudSource& clouds, std::size_t most_points)
+double display_resolution(std::size_t gaussians) {
+  constexpr double kSmallest = 0.5;         // m; chosen: a town of 1 km then has some 10 MB
+  constexpr double kPointsPerGaussian = 6;  // measured in a town, with voxels of 0.5 m
+  constexpr auto kMostPoints = static_cast<double>(kMostDisplayPoints);
+  double edge = kSmallest;
+  double points = kPointsPerGaussian * static_cast<double>(gaussians);
+  for (; points > kMostPoints; points /= 4.0) edge *= 2.0;  // surfaces: by the square of the edge
+  return edge;
+}
+
+DisplayMap::DisplayMap(const MapConfig& config, CloudSource& clouds, std::size_t most_points)
     : config_(config), clouds_(clouds), most_points_(most_points) {
   builder_.emplace(config_, clouds_);
 }
@@ -55,4 +65,4 @@ void DisplayMap::begin_with_larger_voxels() {
   given_ = 0;
 }
 
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::map

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "map_viewer/display_map.hpp"
+#include "lidar_mapping/map/display_map.hpp"
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::map {
 namespace {
 
 /// A road along x: each key frame sees the square of 2 m around it as 40 by 40 points.
@@ -33,17 +33,17 @@ KeyFramePoses along_the_road(KeyFrameIndex count) {
   return poses;
 }
 
-map::MapConfig on_one_thread() {
-  map::MapConfig config;
+MapConfig on_one_thread() {
+  MapConfig config;
   config.threads = 1;  // Road counts
   return config;
 }
 
 void expect_map(const PointCloud& cloud, KeyFrameIndex key_frames, double resolution) {
-  map::MapConfig config = on_one_thread();
+  MapConfig config = on_one_thread();
   config.resolution = resolution;
   Road road;
-  const PointCloud expected = map::build_map(along_the_road(key_frames), road, config);
+  const PointCloud expected = build_map(along_the_road(key_frames), road, config);
   ASSERT_EQ(cloud.size(), expected.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     EXPECT_EQ(cloud.points[i].position(), expected.points[i].position()) << i;
@@ -98,6 +98,13 @@ TEST(DisplayMap, KeepsTheLargestVoxelsIfEvenTheirPointsAreTooMany) {
   EXPECT_EQ(display.missing_clouds(), 0U);
 }
 
+TEST(DisplayResolution, BecomesCoarserWithTheMap) {
+  EXPECT_EQ(display_resolution(0), 0.5);
+  EXPECT_EQ(display_resolution(100'000), 0.5) << "a town";
+  EXPECT_EQ(display_resolution(1'600'000), 1.0) << "sixteen towns";
+  EXPECT_EQ(display_resolution(20'000'000), 4.0) << "200 km";
+}
+
 TEST(DisplayMap, LosesTheKeyFramesThatAreGone) {
   Road road;
   DisplayMap display(on_one_thread(), road);
@@ -108,4 +115,4 @@ TEST(DisplayMap, LosesTheKeyFramesThatAreGone) {
 }
 
 }  // namespace
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::map

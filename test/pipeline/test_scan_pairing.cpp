@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "localization/scan_pairing.hpp"
+#include "lidar_mapping/pipeline/scan_pairing.hpp"
+
 #include "near.hpp"
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::pipeline {
 namespace {
 
 using test::near;
@@ -28,12 +29,13 @@ TEST(ScanPairing, PairsByEqualStampsWhicheverComesFirst) {
   pairing.add(scan_at(2));
   const auto pairs = pairing.take_ready();
   ASSERT_EQ(pairs.size(), 2U);
-  EXPECT_FALSE(pairs[0].is_connected);  // nothing led to the first one
+  EXPECT_FALSE(pairs[0].input.is_connected);  // nothing led to the first one
   EXPECT_EQ(pairs[0].T_odom_base.translation.x(), 5.0);
-  EXPECT_TRUE(pairs[1].is_connected);
-  EXPECT_EQ(pairs[1].scan.stamp, 2);
-  EXPECT_TRUE(near(pairs[1].T_previous_base.translation, Eigen::Vector3d(1.0, 0.0, 0.0), 1e-12));
-  EXPECT_TRUE(near(pairs[1].covariance, diagonal_covariance(0.1, 0.01), 1e-12));
+  EXPECT_TRUE(pairs[1].input.is_connected);
+  EXPECT_EQ(pairs[1].input.scan.stamp, 2);
+  EXPECT_TRUE(
+      near(pairs[1].input.T_previous_base.translation, Eigen::Vector3d(1.0, 0.0, 0.0), 1e-12));
+  EXPECT_TRUE(near(pairs[1].input.covariance, diagonal_covariance(0.1, 0.01), 1e-12));
 }
 
 TEST(ScanPairing, AddsUpTheMotionOverScansThatWereLost) {
@@ -45,9 +47,10 @@ TEST(ScanPairing, AddsUpTheMotionOverScansThatWereLost) {
   pairing.add(scan_at(4));
   const auto pairs = pairing.take_ready();
   ASSERT_EQ(pairs.size(), 1U);
-  EXPECT_TRUE(pairs[0].is_connected);
-  EXPECT_TRUE(near(pairs[0].T_previous_base.translation, Eigen::Vector3d(4.0, 0.0, 0.0), 1e-12));
-  EXPECT_NEAR(pairs[0].covariance(0, 0), 3 * 0.01, 1e-9);  // three independent steps along x
+  EXPECT_TRUE(pairs[0].input.is_connected);
+  EXPECT_TRUE(
+      near(pairs[0].input.T_previous_base.translation, Eigen::Vector3d(4.0, 0.0, 0.0), 1e-12));
+  EXPECT_NEAR(pairs[0].input.covariance(0, 0), 3 * 0.01, 1e-9);  // three independent steps along x
 }
 
 TEST(ScanPairing, SaysWhereOdometryBeganAnew) {
@@ -62,8 +65,8 @@ TEST(ScanPairing, SaysWhereOdometryBeganAnew) {
   pairing.add(scan_at(3));
   const auto pairs = pairing.take_ready();
   ASSERT_EQ(pairs.size(), 1U);
-  EXPECT_FALSE(pairs[0].is_connected);
-  EXPECT_TRUE(near(pairs[0].T_previous_base, Pose::Identity(), 1e-12));
+  EXPECT_FALSE(pairs[0].input.is_connected);
+  EXPECT_TRUE(near(pairs[0].input.T_previous_base, Pose::Identity(), 1e-12));
 }
 
 TEST(ScanPairing, GivesUpScansThatOdometryHasPassed) {
@@ -100,7 +103,7 @@ TEST(ScanPairing, KeepsABoundedNumberOfStepsWithoutScans) {
   pairing.add(scan_at(3000));
   const auto pairs = pairing.take_ready();
   ASSERT_EQ(pairs.size(), 1U);
-  EXPECT_FALSE(pairs[0].is_connected) << "the first steps are gone";
+  EXPECT_FALSE(pairs[0].input.is_connected) << "the first steps are gone";
 }
 
 TEST(ScanPairing, KeepsABoundedNumberOfScansWithoutOdometry) {
@@ -113,4 +116,4 @@ TEST(ScanPairing, KeepsABoundedNumberOfScansWithoutOdometry) {
 }
 
 }  // namespace
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::pipeline

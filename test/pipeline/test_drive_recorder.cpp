@@ -5,17 +5,16 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/pipeline/drive_recorder.hpp"
 #include "lidar_mapping/session/session.hpp"
 
-#include "localization/drive_recorder.hpp"
 #include "temporary_folder.hpp"
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::pipeline {
 namespace {
 
 using localization::LocalizationResult;
 using localization::LocalizationState;
-using pipeline::LocalizedKeyFrame;
 
 constexpr auto kFollowing = LocalizationState::kFollowing;
 constexpr auto kSearching = LocalizationState::kSearching;
@@ -152,7 +151,7 @@ class DriveRecorderTest : public testing::Test {
   DriveRecorder make_recorder() const {
     const auto map = folder_.path() / "map";
     session::Session::create_in(map);
-    return DriveRecorder(std::make_shared<pipeline::MapExtender>(map, folder_.path() / "drive"));
+    return DriveRecorder(std::make_shared<MapExtender>(map, folder_.path() / "drive"));
   }
   std::vector<LocalizationState> states() const {
     std::vector<LocalizationState> states;
@@ -196,4 +195,4 @@ TEST_F(DriveRecorderTest, WithdrawsThePlaceOfKeyFramesThatAreStored) {
 }
 
 }  // namespace
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::pipeline

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "localization/scan_pairing.hpp"
+#include "lidar_mapping/pipeline/scan_pairing.hpp"
 
 #include <utility>
 
-namespace lidar_mapping::ros_border {
+namespace lidar_mapping::pipeline {
 
 namespace {
 
 /// Scans that wait for their step. Chosen: two seconds of them; the front end sends both within
 /// milliseconds.
-constexpr std::size_t kMostWaiting = 20;
+constexpr std::size_t kMostWaitingScans = 20;
 /// Steps that are kept while no scan comes. Chosen: more than a minute of them; bounds the memory.
 constexpr std::size_t kMostSteps = 1000;
 
@@ -21,7 +21,7 @@ void ScanPairing::add(const OdometryStep& step) {
   steps_.emplace(step.stamp, step);
   if (steps_.size() <= kMostSteps) return;
   steps_.erase(steps_.begin());
-  T_odom_last_.reset();
+  motion_.interrupt();
 }
 
 void ScanPairing::add(Scan scan) {
@@ -34,7 +34,7 @@ std::vector<PairedScan> ScanPairing::take_ready() {
   for (auto scan = scans_.begin(); scan != scans_.end();) {
     if (steps_.count(scan->first) > 0) {
       ready.push_back(paired(std::move(scan->second)));
-    } else if (scans_.size() <= kMostWaiting &&
+    } else if (scans_.size() <= kMostWaitingScans &&
                (steps_.empty() || steps_.rbegin()->first < scan->first)) {
       ++scan;
       continue;
@@ -49,23 +49,14 @@ std::vector<PairedScan> ScanPairing::take_ready() {
 /// The motion over all steps up to this scan, whose scans may have been lost.
 PairedScan ScanPairing::paired(Scan&& scan) {
   PairedScan result;
-  result.is_connected = T_odom_last_.has_value();
-  std::optional<Pose> T_odom_before = T_odom_last_;
   while (!steps_.empty() && steps_.begin()->first <= scan.stamp) {
     const OdometryStep step = steps_.begin()->second;
     steps_.erase(steps_.begin());
+    motion_.add(step);
     result.T_odom_base = step.T_odom_base;
-    result.is_connected = result.is_connected && step.covariance.has_value();
-    if (T_odom_before && step.covariance) {
-      result.covariance = compose_covariance(
-          result.covariance, T_odom_before->inverse() * step.T_odom_base, *step.covariance);
-    }
-    T_odom_before = step.T_odom_base;
   }
-  if (result.is_connected) result.T_previous_base = T_odom_last_->inverse() * result.T_odom_base;
-  T_odom_last_ = result.T_odom_base;
-  result.scan = std::move(scan);
+  result.input = motion_.input_of(std::move(scan));
   return result;
 }
 
-}  // namespace lidar_mapping::ros_border
+}  // namespace lidar_mapping::pipeline
