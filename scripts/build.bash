@@ -68,7 +68,7 @@ configure_for_clang() {
   if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
   logged configure.log cmake -S "$package_root" -B "$build" "${launcher[@]}" -DLIDAR_MAPPING_WERROR=ON \
     -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
-    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_UNITY_BUILD=OFF
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_UNITY_BUILD=OFF -DLIDAR_MAPPING_BENCHMARKS=ON
 }
 
 # logged FILE COMMAND ...: the output goes to a file; a terminal shows the progress meanwhile; its
