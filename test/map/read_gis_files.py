@@ -13,12 +13,11 @@ import json
 import pathlib
 import sys
 
-import numpy as np
-
 try:
+    import numpy as np
     from osgeo import gdal, ogr, osr
-except ImportError:
-    print('python3-gdal is not installed: the files were not read')
+except ImportError as missing:
+    print(f'python3-gdal is not installed for this Python ({missing.name}): the files were not read')
     sys.exit(77)
 
 

@@ -187,6 +187,14 @@ TEST(PointLayouts, ReadsIntensitiesUnderEveryName) {
   }
 }
 
+TEST(PointLayouts, ReadsIntensitiesUnderNamesInAnyCase) {
+  for (const char* name : {"Intensity", "REFLECTIVITY", "I"}) {
+    auto message = xyz_cloud({{name, PointField::UINT8, 12}}, 16, kCount);
+    put(message, 5, 12, std::uint8_t{200});
+    EXPECT_EQ(decode(message, {}).scan.cloud.points[5].intensity, 200.0F) << name;
+  }
+}
+
 TEST(PointLayouts, TakesCloudsOfCoordinatesAlone) {
   auto message = cloud_with({{"z", PointField::FLOAT64, 0},
                              {"x", PointField::FLOAT64, 8},

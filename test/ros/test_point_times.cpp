@@ -187,6 +187,20 @@ TEST(PointTimes, FindsTheUnitOfFloatsByThePeriod) {
   }
 }
 
+/// A part of a turn and five turns, whose length says nothing about the unit.
+TEST(PointTimes, TakesTheUnitFromTheNameWhereNoneFitsThePeriod) {
+  for (const auto& [name, unit] : {std::pair{"time_us", 1e-6}, std::pair{"Time_NS", 1e-9},
+                                   std::pair{"time_offset_ns", 1e-9}}) {
+    for (const double span : {0.005, 0.5}) {
+      auto message = xyz_cloud({{name, PointField::UINT32, 12}}, 16, kCount);
+      for (std::size_t i = 0; i < kCount; ++i) {
+        put(message, i, 12, static_cast<std::uint32_t>(std::llround(span * fraction(i) / unit)));
+      }
+      EXPECT_NEAR(decode(message, {}).scan.cloud.times.back(), span, 1e-6) << name;
+    }
+  }
+}
+
 TEST(PointTimes, ObeysTheConfiguredUnitAndSwitch) {
   auto message = xyz_cloud({{"t", PointField::UINT32, 12}}, 16, kCount);
   for (std::size_t i = 0; i < kCount; ++i) put(message, i, 12, static_cast<std::uint32_t>(i));

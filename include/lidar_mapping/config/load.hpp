@@ -88,7 +88,7 @@ std::string to_yaml(const Config& config) {
   return yaml_document(Config::schema().summary(), descriptions<Config>(), values);
 }
 
-/// The README's table of all fields.
+/// The table of all fields in doc/parameters.md.
 template <typename Config>
 std::string to_markdown() {
   return markdown_table(descriptions<Config>());

@@ -68,8 +68,9 @@ double distance_of_angle_unit(const std::string& unit);
 std::string describe_choices(const std::vector<std::string>& choices);
 
 /// The one description of a configuration struct: loading, checking, printing, the default file in
-/// config/ and the README's table all follow from it. Defaults are those of a default-constructed
-/// `Config`. A configuration struct offers it as `static const Schema<Config>& schema()`.
+/// config/ and the table in doc/parameters.md all follow from it. Defaults are those of a
+/// default-constructed `Config`. A configuration struct offers it as `static const Schema<Config>&
+/// schema()`.
 template <typename Config>
 class Schema {
  public:

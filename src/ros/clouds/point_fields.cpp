@@ -54,6 +54,13 @@ const PointField* find_field(const CloudView& message, const std::string& name) 
   return nullptr;
 }
 
+const PointField* find_field_in_any_case(const CloudView& message, const std::string& name) {
+  for (const PointField& field : message.fields) {
+    if (lower_case(field.name) == name) return find_field(message, field.name);
+  }
+  return nullptr;
+}
+
 const PointField& coordinate_field(const CloudView& message, const std::string& name) {
   const PointField* field = find_field(message, name);
   if (field == nullptr) {

@@ -12,11 +12,11 @@
 namespace lidar_mapping::ros_border {
 
 // Names that drivers give to the fields of a point beside its coordinates. The decoder and its
-// tests take them from here alone. Of several fields of a cloud the one whose name comes first is
-// used.
-inline constexpr std::array kIntensityNames = {"intensity", "i", "reflectivity", "intensities"};
-/// In lower case; in a cloud they may be of any case. Times in two fields are found by
-/// time_fields().
+// tests take them from here alone. They are in lower case; in a cloud they may be of any case. Of
+// several fields of a cloud the one whose name comes first is used.
+inline constexpr std::array kIntensityNames = {"intensity", "i", "reflectivity", "reflectance",
+                                               "intensities"};
+/// Times in two fields are found by time_fields().
 inline constexpr std::array kTimeNames = {
     "time",         "t",       "timestamp",      "time_stamp", "offset_time",
     "time_offset",  "ts",      "stamp",          "time_ns",    "t_ns",
@@ -31,12 +31,16 @@ std::size_t size_of(std::uint8_t datatype);
 
 /// The field of that name, or null. Throws InputError if it lies outside of the point.
 const sensor_msgs::PointField* find_field(const CloudView& message, const std::string& name);
-/// The field of the first name that exists, or null.
+/// The field with a name that is this one in lower case, or null. Throws InputError as
+/// find_field().
+const sensor_msgs::PointField* find_field_in_any_case(const CloudView& message,
+                                                      const std::string& name);
+/// The field of the first name that exists in any case, or null.
 template <std::size_t count>
 const sensor_msgs::PointField* find_any_field(const CloudView& message,
                                               const std::array<const char*, count>& names) {
   for (const char* name : names) {
-    if (const sensor_msgs::PointField* field = find_field(message, name)) return field;
+    if (const sensor_msgs::PointField* field = find_field_in_any_case(message, name)) return field;
   }
   return nullptr;
 }

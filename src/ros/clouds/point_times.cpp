@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include "clouds/point_fields.hpp"
@@ -125,8 +127,21 @@ std::optional<ScanCounts> broken_scan(const CloudView& message, const TimeFields
   return std::nullopt;
 }
 
-/// The usual unit of the type.
+/// The unit that the name of the field ends with, as in "time_us" and "offset_nsec".
+std::optional<Unit> named_unit(const TimeFields& fields) {
+  const std::string name = lower_case(fields.first->name);
+  const std::size_t begin = name.rfind('_');
+  if (begin == std::string::npos) return std::nullopt;
+  const std::string end = name.substr(begin + 1);
+  for (const Unit& unit : kUnits) {
+    if (end == unit.name || end == unit.name + std::string("ec")) return unit;
+  }
+  return std::nullopt;
+}
+
+/// The unit that the name says, otherwise the usual one of the type.
 Unit usual_unit(const TimeFields& fields) {
+  if (const auto unit = named_unit(fields)) return *unit;
   const std::uint8_t type = fields.first->datatype;
   const bool counts =
       size_of(type) >= 4 && type != PointField::FLOAT32 && type != PointField::FLOAT64;

@@ -32,13 +32,6 @@ constexpr std::array<Halves, 12> kHalves = {{{"sec", "nsec", 1.0, 1e-9},
                                              {"_hi", "_lo", kWord, 1.0},
                                              {"_high", "_low", kWord, 1.0}}};
 
-const PointField* find_in_any_case(const CloudView& message, const std::string& name) {
-  for (const PointField& field : message.fields) {
-    if (lower_case(field.name) == name) return find_field(message, field.name);
-  }
-  return nullptr;
-}
-
 /// The common beginning of the names of a time: none, "t", "time_", "timestamp" ...
 bool begins_a_time(const std::string& name) {
   return name.empty() || name == "t" || name == "t_" || name.find("time") != std::string::npos ||
@@ -57,7 +50,7 @@ std::optional<TimeFields> find_halves(const CloudView& message, const Halves& ha
   for (const PointField& field : message.fields) {
     const auto begin = beginning(lower_case(field.name), halves.first);
     if (!begin || !begins_a_time(*begin)) continue;
-    const PointField* second = find_in_any_case(message, *begin + halves.second);
+    const PointField* second = find_field_in_any_case(message, *begin + halves.second);
     if (second == nullptr) continue;
     return TimeFields{find_field(message, field.name), second, halves.first_scale,
                       halves.second_scale, halves.first_scale == 1.0};
@@ -75,10 +68,9 @@ std::optional<TimeFields> time_fields(const CloudView& message) {
   for (const Halves& halves : kHalves) {
     if (const auto found = find_halves(message, halves)) return found;
   }
-  for (const char* name : kTimeNames) {
-    if (const PointField* field = find_in_any_case(message, name)) return TimeFields{field};
-  }
-  return std::nullopt;
+  const PointField* field = find_any_field(message, kTimeNames);
+  if (field == nullptr) return std::nullopt;
+  return TimeFields{field};
 }
 
 double number_of_type(std::uint8_t datatype, const std::uint8_t* address) {
