@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/map/map_config.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 
@@ -14,6 +15,12 @@
 
 namespace lidar_mapping::map {
 
+namespace {
+
+void check_grid_cell(const MapConfig& config) { grid_cell(config); }
+
+}  // namespace
+
 const std::vector<MapFormat>& map_formats() {
   static const std::vector<MapFormat> formats = {
       {"pcd", "", true, &write_pcd, nullptr},
@@ -21,7 +28,7 @@ const std::vector<MapFormat>& map_formats() {
       {"png", "view from above", false, nullptr, &ProductWriter::write_picture},
       {"las", "", true, nullptr, &ProductWriter::write_las},
       {"tiles", "Autoware", false, nullptr, &ProductWriter::write_tiles},
-      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid},
+      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid, nullptr, &check_grid_cell},
       {"ept", "Entwine Point Tiles", false, nullptr, &ProductWriter::write_ept},
       {"web", "page for a browser", false, nullptr, &ProductWriter::write_web, &web_obstacle},
       {"geotiff", "rasters", false, nullptr, &ProductWriter::write_geotiff, &geotiff_obstacle},
@@ -37,7 +44,8 @@ const MapFormat* find_format(const std::string& name) {
   return nullptr;
 }
 
-std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
+std::vector<std::string> known_formats(const std::vector<std::string>& formats,
+                                       const MapConfig& config) {
   std::vector<std::string> result;
   for (const std::string& format : formats) {
     result.push_back(lower_case(format));
@@ -48,10 +56,15 @@ std::vector<std::string> known_formats(const std::vector<std::string>& formats) 
     const std::string obstacle = obstacle_to(result.back());
     if (!obstacle.empty()) throw InputError("map format '" + format + "': " + obstacle);
   }
+  for (const std::string& format : result) {
+    if (const auto check = find_format(format)->check) check(config);
+  }
   return result;
 }
 
-void check_formats(const std::vector<std::string>& formats) { known_formats(formats); }
+void check_formats(const std::vector<std::string>& formats, const MapConfig& config) {
+  known_formats(formats, config);
+}
 
 std::string obstacle_to(const std::string& format) {
   const MapFormat* known = find_format(format);

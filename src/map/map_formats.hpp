@@ -9,6 +9,7 @@
 
 namespace lidar_mapping::map {
 
+struct MapConfig;     // map_config.hpp
 class ProductWriter;  // product_writer.hpp
 
 /// A format in which a map is written. All code that has to know the formats uses this table: a new
@@ -25,6 +26,8 @@ struct MapFormat {
   /// Why the format cannot be written on this machine, with the remedy; empty text if it can. Null:
   /// it always can.
   std::string (*obstacle)() = nullptr;
+  /// Throws InputError for parameters with which the format cannot be written. Null: all will do.
+  void (*check)(const MapConfig& config) = nullptr;
 };
 
 /// All formats, in the order in which they are written.
@@ -33,7 +36,9 @@ const std::vector<MapFormat>& map_formats();
 /// The format of this name; null if there is none.
 const MapFormat* find_format(const std::string& name);
 
-/// The names in lower case. Throws InputError for an unknown one, and one that cannot be written.
-std::vector<std::string> known_formats(const std::vector<std::string>& formats);
+/// The names in lower case. Throws InputError for an unknown one, and one that cannot be written on
+/// this machine or with these parameters.
+std::vector<std::string> known_formats(const std::vector<std::string>& formats,
+                                       const MapConfig& config);
 
 }  // namespace lidar_mapping::map
