@@ -15,14 +15,20 @@ class ProductWriter;  // product_writer.hpp
 /// A format in which a map is written. All code that has to know the formats uses this table: a new
 /// format is a row of it and the function that the row names.
 struct MapFormat {
-  const char* name;    ///< Name on command lines, in messages and as extension of the file.
-  const char* remark;  ///< Explanation if the name does not say what it is; else empty.
-  bool single_file;  ///< The map is a single file NAME.<name>, which a user may select by its path.
+  using PointsWriter = void (*)(const std::filesystem::path& file, const CloudParts& points);
+  using ProductWriterMember = void (ProductWriter::*)();
+
+  /// Name on command lines, in messages and as extension of the file.
+  const char* name = "";
+  /// Explanation if the name does not say what it is; else empty.
+  const char* remark = "";
+  /// The map is a single file NAME.<name>, which a user may select by its path.
+  bool single_file = false;
   /// Writer of formats that hold the points of the whole map, beside NAME.yaml (save_map()); null
   /// for others.
-  void (*write_points)(const std::filesystem::path& file, const CloudParts& points);
+  PointsWriter write_points = nullptr;
   /// Writer of all other formats; null for those with `write_points`.
-  void (ProductWriter::*write)();
+  ProductWriterMember write = nullptr;
   /// Why the format cannot be written on this machine, with the remedy; empty text if it can. Null:
   /// it always can.
   std::string (*obstacle)() = nullptr;
