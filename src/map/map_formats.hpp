@@ -24,8 +24,8 @@ struct MapFormat {
   const char* remark = "";
   /// The map is a single file NAME.<name>, which a user may select by its path.
   bool single_file = false;
-  /// Writer of formats that hold the points of the whole map, beside NAME.yaml (save_map()); null
-  /// for others.
+  /// Writer of formats that hold the points of the whole map, beside NAME.yaml
+  /// (write_point_files()); null for others.
   PointsWriter write_points = nullptr;
   /// Writer of all other formats; null for those with `write_points`.
   ProductWriterMember write = nullptr;

@@ -88,11 +88,13 @@ void ProductWriter::write_picture() {
   add({picture()});
 }
 
-void ProductWriter::write_grid() { add(save_grid(points(), grid_options(), directory_, rays())); }
+void ProductWriter::write_grid() {
+  add(map::write_grid(points(), grid_options(), directory_, rays()));
+}
 
 void ProductWriter::write_tiles() {
   const auto folder = directory_ / "pointcloud_map";
-  save_tiles(tiles(), effective_tile_size(config_), folder);
+  map::write_tiles(tiles(), effective_tile_size(config_), folder);
   add({folder});
 }
 
@@ -220,8 +222,8 @@ void ProductWriter::write_point_files() {
   if (is_selected(&ProductWriter::write_picture)) {
     concurrent_task = {[this] { draw(); }, config_.threads};
   }
-  add(save_map(options_.utm ? in_utm(points()) : points(), description(), directory_, formats,
-               concurrent_task));
+  add(map::write_point_files(options_.utm ? in_utm(points()) : points(), description(), directory_,
+                             formats, concurrent_task));
 }
 
 void ProductWriter::draw() {

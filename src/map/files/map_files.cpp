@@ -145,8 +145,9 @@ void check_own_file(const fs::path& file, const fs::path& description) {
 
 }  // namespace
 
-Files save_map(const CloudParts& map, const MapDescription& description, const fs::path& directory,
-               const std::vector<std::string>& formats, const ConcurrentTask& concurrent_task) {
+Files write_point_files(const CloudParts& map, const MapDescription& description,
+                        const fs::path& directory, const std::vector<std::string>& formats,
+                        const ConcurrentTask& concurrent_task) {
   const std::vector<std::string> selected_formats =
       formats.empty() ? std::vector<std::string>{"pcd", "ply"} : formats;
   const fs::path description_file = directory / (description.name + ".yaml");
