@@ -375,6 +375,9 @@ TEST(Gnss, DefaultsReachTwoDecimetresWithRtk) {
   EXPECT_LT(true_rmse(run.back_end, run.drive), 0.2);
 }
 
+/// Least extent in m, largest standard deviation of the heading in rad.
+constexpr AlignmentLimits kAlignmentLimits = {20.0, 0.02};
+
 TEST(Alignment, ToleratesNearlyHalfOfTheFixesAsOutliers) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 0.05);
@@ -388,7 +391,7 @@ TEST(Alignment, ToleratesNearlyHalfOfTheFixesAsOutliers) {
     sample.stddev_horizontal = 0.05;
     samples.push_back(sample);
   }
-  const auto alignment = align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 0.02});
+  const auto alignment = align_to_enu(samples, Eigen::Quaterniond::Identity(), kAlignmentLimits);
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(yaw_of(alignment->T_enu_map.rotation), 2.0, 0.01);
   EXPECT_TRUE(test::near(alignment->T_enu_map.translation, T_enu_map.translation, 0.5));
@@ -403,9 +406,15 @@ TEST(Alignment, NeedsATrackThatIsLongForTheErrorsOfTheFixes) {
     sample.stddev_horizontal = 3.0;
     samples.push_back(sample);
   }
-  EXPECT_FALSE(align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 0.02}));
-  EXPECT_FALSE(align_to_enu(samples, Eigen::Quaterniond::Identity(), {50.0, 1.0}));
-  EXPECT_TRUE(align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 1.0}));
+  const auto is_aligned = [&](const AlignmentLimits& limits) {
+    return align_to_enu(samples, Eigen::Quaterniond::Identity(), limits).has_value();
+  };
+  EXPECT_FALSE(is_aligned(kAlignmentLimits));
+  AlignmentLimits any_heading = kAlignmentLimits;
+  any_heading.max_heading_stddev = 1.0;
+  EXPECT_TRUE(is_aligned(any_heading));
+  any_heading.min_extent = 50.0;
+  EXPECT_FALSE(is_aligned(any_heading)) << "the track has 29 m";
 }
 
 }  // namespace
