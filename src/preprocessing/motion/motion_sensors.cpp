@@ -100,7 +100,7 @@ void MotionSensors::update_until(Stamp stamp) {
 }
 
 void MotionSensors::update(const ImuSample& sample) {
-  if (!implausible_since_ && is_implausible(sample)) implausible_since_ = sample.stamp;
+  judge_rates(sample);
   if (sample.has_angular_velocity) gyro_limits_.add(sample.angular_velocity);
   if (sample.has_linear_acceleration) acceleration_limits_.add(sample.linear_acceleration);
   accelerations_.add(sample);
@@ -110,16 +110,20 @@ void MotionSensors::update(const ImuSample& sample) {
   }
 }
 
-/// True if its rates, together with the previous ones, are not possible for a vehicle.
-bool MotionSensors::is_implausible(const ImuSample& sample) {
+/// Rates are implausible from the sample on that, together with the previous ones, is not possible
+/// for a vehicle.
+void MotionSensors::judge_rates(const ImuSample& sample) {
+  if (implausible_since_) return;
   fast_samples_ = sample.angular_velocity.norm() > kMaxVehicleTurnRate ? fast_samples_ + 1 : 0;
   if (!exceeds_velocity_turn_rate(sample)) {
     exceeds_since_.reset();
   } else if (!exceeds_since_) {
     exceeds_since_ = sample.stamp;
   }
-  return fast_samples_ >= kMaxShockSamples ||
-         (exceeds_since_ && sample.stamp - *exceeds_since_ > kMaxLag);
+  if (fast_samples_ >= kMaxShockSamples ||
+      (exceeds_since_ && sample.stamp - *exceeds_since_ > kMaxLag)) {
+    implausible_since_ = sample.stamp;
+  }
 }
 
 /// True if the gyro's rate is much larger than that of the velocity.
