@@ -125,7 +125,7 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
     add_until(fix.stamp + latency, velocity, next_velocity,
               [&](const auto& sample, const auto& frame) { sensors.add_velocity(sample, frame); });
     track.add(fix, gnss.topic.frame());
-    track.evaluate_pending(sensors, fix.stamp, latency, true);
+    track.evaluate_pending(sensors, {fix.stamp, latency}, Waiting::kEnds);
   }
 }
 

@@ -81,17 +81,17 @@ FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   return {Insertion::kInserted, ""};
 }
 
-std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors, Stamp now,
-                                                     Stamp latency, bool all) {
+std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors,
+                                                     const Progress& progress, Waiting waiting) {
   std::vector<std::string> rejected(std::exchange(dropped_, std::size_t{0}),
                                     "IMU and velocity did not reach its stamp before " +
                                         std::to_string(kMaxPending) + " later fixes came");
   while (!pending_fixes_.empty()) {
     PendingFix pending = pending_fixes_.front();
     LocalFix& fix = pending.fix;
-    const bool waits = sensors.velocity().may_still_deliver(fix.stamp, now, latency) ||
-                       sensors.imu().may_still_deliver(fix.stamp, now, latency);
-    if (waits && !all) break;
+    const bool lacks_motion = sensors.velocity().may_still_deliver(fix.stamp, progress) ||
+                              sensors.imu().may_still_deliver(fix.stamp, progress);
+    if (lacks_motion && waiting == Waiting::kGoesOn) break;
     pending_fixes_.pop_front();
     sensors.update_until(fix.stamp);
     sensors.check_velocity(fix);
@@ -218,14 +218,14 @@ void GnssTrack::update_delay() {
           formatted("%.3f", config_.gnss_time_offset - delay_));
 }
 
-bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {
+bool GnssTrack::may_still_deliver(Stamp stamp, const Progress& progress) const {
   // That of the position, which keeps what was taken off for the check.
   const auto kept_stamp = [](const PendingFix& pending) {
     return pending.fix.stamp + from_seconds(pending.applied_delay);
   };
   if (!pending_fixes_.empty() && kept_stamp(pending_fixes_.back()) >= stamp)
-    return now < stamp + latency;
-  return stream_.may_still_deliver(stamp, now, latency);
+    return progress.newest < stamp + progress.latency;
+  return stream_.may_still_deliver(stamp, progress);
 }
 
 std::optional<GnssPosition> GnssTrack::at(Stamp stamp) const {
