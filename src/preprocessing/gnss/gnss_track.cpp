@@ -183,7 +183,8 @@ Eigen::Vector3d GnssTrack::lever_arm() const {
   return T_base_antenna ? T_base_antenna->translation : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-/// In the axes of dead reckoning; empty if dead reckoning has no pose at this fix.
+/// In the axes of dead reckoning (dr, see TrackedFix); empty if dead reckoning has no pose at this
+/// fix.
 std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
                                                            const MotionSensors& sensors) const {
   const auto T_dr_base = gate_.dead_reckoning();
@@ -198,9 +199,15 @@ void GnssTrack::update_antenna_fit(const PendingFix& pending, const MotionSensor
   if (!v_dr) return antenna_fit_.begin_window();
   const Pose T_dr_base = *gate_.dead_reckoning();
   const Eigen::Vector3d ahead = T_dr_base.rotation * Eigen::Vector3d::UnitX();
-  antenna_fit_.add({pending.fix.stamp, planar(pending.fix.p_enu), std::atan2(ahead.y(), ahead.x()),
-                    planar(T_dr_base.translation), planar(*v_dr), planar(lever_arm()),
-                    pending.applied_delay});
+  TrackedFix tracked;
+  tracked.stamp = pending.fix.stamp;
+  tracked.p_enu = planar(pending.fix.p_enu);
+  tracked.yaw_dr = std::atan2(ahead.y(), ahead.x());
+  tracked.p_dr_base = planar(T_dr_base.translation);
+  tracked.v_dr = planar(*v_dr);
+  tracked.p_base_antenna = planar(lever_arm());
+  tracked.applied_delay = pending.applied_delay;
+  antenna_fit_.add(tracked);
   update_delay();
 }
 
