@@ -22,6 +22,9 @@ constexpr double kMaxTurnRatio = 20.0;
 constexpr Stamp kMaxLag = from_seconds(0.5);
 /// At the ends of a scan the nearest sample is used if its distance is not larger than this.
 constexpr Stamp kMaxExtrapolation = from_seconds(0.02);
+/// The specific force is taken as linear between samples up to this distance; beyond, some are
+/// missing. Chosen: that of an IMU at 50 Hz.
+constexpr Stamp kMaxForceStep = from_seconds(0.02);
 
 /// The value at `stamp`; just outside of the samples the nearest one, but not farther away.
 template <typename Sample>
@@ -193,13 +196,12 @@ std::optional<FeltForce> MotionSensors::mean_force_between(Stamp begin, Stamp en
   const auto first = imu_.around(begin);
   const auto last = imu_.around(end);
   if (!T_base_imu || !first || !last || begin >= end) return std::nullopt;
-  // The force is linear between the samples.
   ImuSample before = interpolated(*first->first, *first->second, begin);
   bool is_complete = has_valid_acceleration(before);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const auto add = [&](const ImuSample& sample) {
     const Stamp step = sample.stamp - before.stamp;
-    is_complete = is_complete && has_valid_acceleration(sample) && step <= kMaxExtrapolation;
+    is_complete = is_complete && has_valid_acceleration(sample) && step <= kMaxForceStep;
     sum += 0.5 * to_seconds(step) * (before.linear_acceleration + sample.linear_acceleration);
     before = sample;
   };
