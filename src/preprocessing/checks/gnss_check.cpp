@@ -129,8 +129,8 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
   }
 }
 
-/// The horizontal sigma of the messages themselves, without the lower bound, root mean square of
-/// both axes, m.
+/// The horizontal standard deviation that the messages themselves state, without the lower bound,
+/// m: the median of the roots of the sum of both axes' variances, as in FixScatter.
 double stated_sigma(const std::vector<GnssFix>& fixes) {
   std::vector<double> sigmas;
   for (const GnssFix& fix : fixes) {
