@@ -6,6 +6,7 @@
 
 #include <ceres/sized_cost_function.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pose_graph/factor_graph.hpp"
 
 namespace {
@@ -63,7 +64,7 @@ int main() {
   graph.add_node(true_pose(0), true);  // held: it does not move
   for (int i = 1; i < kNodes; ++i) {
     Pose step = true_pose(i - 1).inverse() * true_pose(i);
-    step = {step.rotation * exp_so3({0.0, 0.0, 0.2 * M_PI / 180.0}), 1.01 * step.translation};
+    step = {step.rotation * exp_so3({0.0, 0.0, 0.2 * kRadPerDeg}), 1.01 * step.translation};
     graph.add_node(graph.pose(i - 1) * step);
     graph.add({relative_pose_residual(step, information), i - 1, i});
     for (const Eigen::Vector3d& beacon : beacons) {

@@ -23,13 +23,13 @@ class BackEnd::Impl {
     const double elapsed = to_seconds(drive_.nodes.back().stamp - last_optimization_);
     if (elapsed >= 0.0 && elapsed < config_.optimize_min_interval) return false;
     if (full_solve_needed_) return true;
-    if (config_.use_loop_close && builder_.new_data.loops >= config_.optimize_step_with_loop)
-      return true;
-    if (config_.use_gnss && builder_.new_data.gnss >= gnss_optimization_step()) return true;
+    const NewDataCounts& new_data = builder_.new_data();
+    if (config_.use_loop_close && new_data.loops >= config_.optimize_step_with_loop) return true;
+    if (config_.use_gnss && new_data.gnss >= gnss_optimization_step()) return true;
     // With odometry alone there is no contradiction to distribute.
     const bool has_corrections = (config_.use_loop_close && !drive_.loops.empty()) ||
                                  (config_.use_gnss && !drive_.gnss.empty());
-    return has_corrections && builder_.new_data.key_frames >= config_.optimize_step_with_key_frame;
+    return has_corrections && new_data.key_frames >= config_.optimize_step_with_key_frame;
   }
 
   std::shared_ptr<const OptimizationProblem> problem(bool thorough) const {
@@ -46,12 +46,14 @@ class BackEnd::Impl {
 
   KeyFramePoses apply(const OptimizationSolution& solution) {
     if (solution.drive.nodes.empty() || solution.key_frames > drive_.nodes.size()) return poses();
+    NewDataCounts new_data = builder_.new_data();
     if (solution.window) {
-      apply_window(solution);
+      apply_window(solution, new_data);
     } else {
-      apply_whole(solution.drive);
+      apply_whole(solution.drive, new_data);
     }
-    builder_.new_data.key_frames = static_cast<int>(drive_.nodes.size() - solution.key_frames);
+    new_data.key_frames = static_cast<int>(drive_.nodes.size() - solution.key_frames);
+    builder_.set_new_data(new_data);
     last_optimization_ = drive_.nodes[solution.key_frames - 1].stamp;
     ++revision_;
     return poses();
@@ -80,15 +82,15 @@ class BackEnd::Impl {
            20 * (drive_.nodes.size() - last_full_solve_) > drive_.nodes.size();
   }
 
-  void apply_whole(const DriveGraph& solved) {
+  void apply_whole(const DriveGraph& solved, NewDataCounts& new_data) {
     apply_whole_solution(solved, drive_);
-    builder_.new_data.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
-    builder_.new_data.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
+    new_data.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
+    new_data.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
     last_full_solve_ = solved.nodes.size();
     full_solve_needed_ = false;
   }
 
-  void apply_window(const OptimizationSolution& solution) {
+  void apply_window(const OptimizationSolution& solution, NewDataCounts& new_data) {
     full_solve_needed_ = solution.full_solve_needed;
     if (full_solve_needed_) return;
     apply_window_solution(solution.drive, *solution.window, solution.key_frames, drive_);
@@ -96,8 +98,8 @@ class BackEnd::Impl {
       return static_cast<int>(std::count_if(values.begin(), values.end(),
                                             [](const auto& value) { return !value.evaluated; }));
     };
-    builder_.new_data.loops = count_unevaluated(drive_.loops);
-    builder_.new_data.gnss = config_.georeference_only ? 0 : count_unevaluated(drive_.gnss);
+    new_data.loops = count_unevaluated(drive_.loops);
+    new_data.gnss = config_.georeference_only ? 0 : count_unevaluated(drive_.gnss);
   }
 
   BackEndConfig config_;

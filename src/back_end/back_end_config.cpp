@@ -29,11 +29,16 @@ std::vector<std::pair<std::string, pose_graph::RobustKernel>> kernels_in_any_cas
   return choices;
 }
 
-void add_triggers(config::Schema<Config>& schema) {
+void describe_use(config::Schema<Config>& schema) {
   schema.boolean("use_gnss", &Config::use_gnss, "Whether GNSS positions are used at all.")
       .boolean("georeference_only", &Config::georeference_only,
                "With use_gnss: GNSS only moves the whole map to East-North-Up, without bending it.")
       .boolean("use_loop_close", &Config::use_loop_close, "Whether loops are used.")
+      .alias("enable_gps", "use_gnss");
+}
+
+void describe_triggers(config::Schema<Config>& schema) {
+  schema
       .integer("optimize_step_with_key_frame", &Config::optimize_step_with_key_frame, kSteps,
                "key frames", "Optimise at the latest after so many new key frames.")
       .integer("optimize_step_with_gnss", &Config::optimize_step_with_gnss, kSteps, "positions",
@@ -42,11 +47,10 @@ void add_triggers(config::Schema<Config>& schema) {
                "Optimise after so many new loops.")
       .real("optimize_min_interval", &Config::optimize_min_interval, {0.0, 1e4}, "s",
             "Least time between optimisations, by the key frames' stamps.")
-      .alias("enable_gps", "use_gnss")
       .alias("graph_update_interval", "optimize_min_interval");
 }
 
-void add_odometry_and_loops(config::Schema<Config>& schema) {
+void describe_odometry(config::Schema<Config>& schema) {
   schema
       .real(
           "odometry_drift", &Config::odometry_drift, {0.0, 1.0}, "fraction of the distance",
@@ -60,11 +64,19 @@ void add_odometry_and_loops(config::Schema<Config>& schema) {
              "Added to the covariance of every motion.")
       .real("odometry_degenerate_drift", &Config::odometry_degenerate_drift, {0.0, 10.0},
             "fraction of the distance",
-            "Standard deviation added along directions that matching could not observe.")
+            "Standard deviation added along directions that matching could not observe.");
+}
+
+void describe_loops(config::Schema<Config>& schema) {
+  schema
       .real("loop_min_stddev_m", &Config::loop_min_stddev_m, kStddev, "m",
             "Added to the covariance of every loop.")
       .angle("loop_min_stddev_deg", &Config::loop_min_stddev_rad, kStddev, "deg",
-             "Added to the covariance of every loop.")
+             "Added to the covariance of every loop.");
+}
+
+void describe_first_node(config::Schema<Config>& schema) {
+  schema
       .boolean("fix_first_node", &Config::fix_first_node,
                "Give the first key frame a prior with fix_first_node_stddev, instead of one that "
                "depends on the other constraints.")
@@ -73,7 +85,8 @@ void add_odometry_and_loops(config::Schema<Config>& schema) {
              "With fix_first_node: standard deviations of its pose, in the axes of base_link.");
 }
 
-void add_constant_weights(config::Schema<Config>& schema) {
+/// As in hdl_graph_slam, in place of the covariances of motions and loops.
+void describe_other_weights(config::Schema<Config>& schema) {
   schema
       .boolean("use_const_inf_matrix", &Config::use_const_inf_matrix,
                "Weight all motions and loops by const_stddev_x and const_stddev_q instead of their "
@@ -96,7 +109,7 @@ void add_constant_weights(config::Schema<Config>& schema) {
             "Fitness at which the variances reach their maxima.");
 }
 
-void add_gnss(config::Schema<Config>& schema) {
+void describe_gnss(config::Schema<Config>& schema) {
   schema
       .real("gnss_min_stddev_m", &Config::gnss_min_stddev_m, kStddev, "m",
             "Least horizontal standard deviation of a GNSS position.")
@@ -116,7 +129,7 @@ void add_gnss(config::Schema<Config>& schema) {
                "Correct GNSS stamps that are late or early relative to odometry.");
 }
 
-void add_imu_and_floor(config::Schema<Config>& schema) {
+void describe_imu(config::Schema<Config>& schema) {
   schema
       .boolean("enable_imu_orientation", &Config::enable_imu_orientation,
                "Whether the tilt of the IMU's orientation keeps the map level.")
@@ -131,9 +144,13 @@ void add_imu_and_floor(config::Schema<Config>& schema) {
       .angle("imu_heading_stddev_deg", &Config::imu_heading_stddev, kStddev, "deg",
              "Standard deviation of the heading at one key frame; larger than that of the IMU, "
              "because neighbours have errors in common.")
-      .angle(
-          "imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev, kStddev, "deg",
-          "Standard deviation of the vertical by acceleration at one key frame; motion adds to it.")
+      .angle("imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev, kStddev, "deg",
+             "Standard deviation of the vertical by acceleration at one key frame; motion adds to "
+             "it.");
+}
+
+void describe_floors(config::Schema<Config>& schema) {
+  schema
       .choice("floor_constraint", &Config::floor_constraint,
               {{"none", FloorConstraint::kNone},
                {"neighbours", FloorConstraint::kNeighbours},
@@ -146,7 +163,7 @@ void add_imu_and_floor(config::Schema<Config>& schema) {
             "How much the height of the floor differs from the plane, added to its covariance.");
 }
 
-void add_robust_kernels(config::Schema<Config>& schema) {
+void describe_robust_kernels(config::Schema<Config>& schema) {
   const auto kernels = kernels_in_any_case();
   schema
       .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, kernels,
@@ -199,15 +216,22 @@ void add_checks(config::Schema<Config>& schema) {
       });
 }
 
+/// In the order of the struct. A new factor gets a function of its own between those of the floors
+/// and of the kernels, with its switch and its standard deviations; its kernel is one of the
+/// kernels.
 config::Schema<Config> make_schema() {
   config::Schema<Config> schema("back_end",
                                 "Pose graph of the drive: constraints and when to solve");
-  add_triggers(schema);
-  add_odometry_and_loops(schema);
-  add_constant_weights(schema);
-  add_gnss(schema);
-  add_imu_and_floor(schema);
-  add_robust_kernels(schema);
+  describe_use(schema);
+  describe_triggers(schema);
+  describe_odometry(schema);
+  describe_loops(schema);
+  describe_first_node(schema);
+  describe_other_weights(schema);
+  describe_gnss(schema);
+  describe_imu(schema);
+  describe_floors(schema);
+  describe_robust_kernels(schema);
   add_checks(schema);
   return schema;
 }

@@ -16,8 +16,11 @@ struct KeyFrameRule {
   KeyFrameRule scaled(double factor) const {
     return {factor * distance, factor * angle, factor * interval};
   }
-  /// True if the motion from the last key frame to the present pose reaches one of the limits.
+  /// True if the motion from the last key frame to the present pose reaches one of the limits, or
+  /// the time between them the interval.
   bool reached(const Pose& T_last_now, Stamp elapsed) const;
+  /// The same without regard to the time.
+  bool motion_reached(const Pose& T_last_now) const;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -45,8 +45,12 @@ SurfaceTiles::Range SurfaceTiles::range_around(const Eigen::Vector3d& p_map, dou
   const VoxelIndex cell = voxel_index(voxel_key(voxel_index(p_map / options_.voxel_edge)));
   const int reach = static_cast<int>(std::ceil(radius / options_.voxel_edge)) + 1;
   const auto tile = [&](int voxel) { return floor_divided(voxel, options_.tile_edge); };
-  return {tile(cell.x() - reach), tile(cell.x() + reach), tile(cell.y() - reach),
-          tile(cell.y() + reach)};
+  Range range;
+  range.first_column = tile(cell.x() - reach);
+  range.last_column = tile(cell.x() + reach);
+  range.first_row = tile(cell.y() - reach);
+  range.last_row = tile(cell.y() + reach);
+  return range;
 }
 
 SurfaceTiles::TileKey SurfaceTiles::tile_of(VoxelKey key) const {

@@ -46,7 +46,10 @@ void describe_search(config::Schema<Config>& schema) {
 std::vector<std::pair<std::string, LoopMethod>> methods() {
   std::vector<std::pair<std::string, LoopMethod>> result = {{"POINT_TO_PLANE", {}}};
   for (const auto& [name, method] : registration::method_names()) {
-    result.push_back({name, {false, method}});
+    LoopMethod other;
+    other.point_to_plane = false;
+    other.other = method;
+    result.emplace_back(name, other);
   }
   return result;
 }

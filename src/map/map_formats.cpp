@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/map/map_config.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 
@@ -14,19 +15,66 @@
 
 namespace lidar_mapping::map {
 
+namespace {
+
+// Rows of the table.
+
+/// A format of points alone, which is a single file.
+MapFormat points_format(const char* name, MapFormat::PointsWriter write_points) {
+  MapFormat format;
+  format.name = name;
+  format.single_file = true;
+  format.write_points = write_points;
+  return format;
+}
+
+/// A format that is a single file, but needs more than the points.
+MapFormat file_format(const char* name, MapFormat::ProductWriterMember write) {
+  MapFormat format;
+  format.name = name;
+  format.single_file = true;
+  format.write = write;
+  return format;
+}
+
+/// A format of several files or folders, whose names do not depend on that of the map.
+MapFormat folder_format(const char* name, const char* remark,
+                        MapFormat::ProductWriterMember write) {
+  MapFormat format;
+  format.name = name;
+  format.remark = remark;
+  format.write = write;
+  return format;
+}
+
+MapFormat with_obstacle(std::string (*obstacle)(), MapFormat format) {
+  format.obstacle = obstacle;
+  return format;
+}
+
+MapFormat with_check(void (*check)(const MapConfig& config), MapFormat format) {
+  format.check = check;
+  return format;
+}
+
+void check_grid_cell(const MapConfig& config) { grid_cell(config); }
+
+}  // namespace
+
 const std::vector<MapFormat>& map_formats() {
+  using Writer = ProductWriter;
   static const std::vector<MapFormat> formats = {
-      {"pcd", "", true, &write_pcd, nullptr},
-      {"ply", "", true, &write_ply, nullptr},
-      {"png", "view from above", false, nullptr, &ProductWriter::write_picture},
-      {"las", "", true, nullptr, &ProductWriter::write_las},
-      {"tiles", "Autoware", false, nullptr, &ProductWriter::write_tiles},
-      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid},
-      {"ept", "Entwine Point Tiles", false, nullptr, &ProductWriter::write_ept},
-      {"web", "page for a browser", false, nullptr, &ProductWriter::write_web, &web_obstacle},
-      {"geotiff", "rasters", false, nullptr, &ProductWriter::write_geotiff, &geotiff_obstacle},
-      {"geojson", "trajectory, loops, doubt", false, nullptr, &ProductWriter::write_geojson},
-      {"changes", "between visits", false, nullptr, &ProductWriter::write_changes}};
+      points_format("pcd", &write_pcd),
+      points_format("ply", &write_ply),
+      folder_format("png", "view from above", &Writer::write_picture),
+      file_format("las", &Writer::write_las),
+      folder_format("tiles", "Autoware", &Writer::write_tiles),
+      with_check(&check_grid_cell, folder_format("grid", "map_server", &Writer::write_grid)),
+      folder_format("ept", "Entwine Point Tiles", &Writer::write_ept),
+      with_obstacle(&web_obstacle, folder_format("web", "page for a browser", &Writer::write_web)),
+      with_obstacle(&geotiff_obstacle, folder_format("geotiff", "rasters", &Writer::write_geotiff)),
+      folder_format("geojson", "trajectory, loops, doubt", &Writer::write_geojson),
+      folder_format("changes", "between visits", &Writer::write_changes)};
   return formats;
 }
 
@@ -37,7 +85,8 @@ const MapFormat* find_format(const std::string& name) {
   return nullptr;
 }
 
-std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
+std::vector<std::string> known_formats(const std::vector<std::string>& formats,
+                                       const MapConfig& config) {
   std::vector<std::string> result;
   for (const std::string& format : formats) {
     result.push_back(lower_case(format));
@@ -48,10 +97,15 @@ std::vector<std::string> known_formats(const std::vector<std::string>& formats) 
     const std::string obstacle = obstacle_to(result.back());
     if (!obstacle.empty()) throw InputError("map format '" + format + "': " + obstacle);
   }
+  for (const std::string& format : result) {
+    if (const auto check = find_format(format)->check) check(config);
+  }
   return result;
 }
 
-void check_formats(const std::vector<std::string>& formats) { known_formats(formats); }
+void check_formats(const std::vector<std::string>& formats, const MapConfig& config) {
+  known_formats(formats, config);
+}
 
 std::string obstacle_to(const std::string& format) {
   const MapFormat* known = find_format(format);

@@ -18,7 +18,8 @@ namespace lidar_mapping::map {
 /// map frame. Only one tile at a time is in memory. The folder appears completely or not at all; an
 /// older folder with tiles is replaced. Throws FileError, also if the folder holds something else,
 /// and InputError for points too far from the origin (check_range()).
-Files save_tiles(const TileSource& tiles, double tile_size, const std::filesystem::path& directory);
+Files write_tiles(const TileSource& tiles, double tile_size,
+                  const std::filesystem::path& directory);
 
 /// Writes a LAS 1.2 file (point format 0). Coordinates are whole millimetres and are never
 /// converted to float. With a datum they are metres in the UTM zone of the datum, whose EPSG code
@@ -55,8 +56,8 @@ struct GridRays {
 
 /// Writes grid.pgm and grid.yaml for map_server, computed block by block. Without rays only cells
 /// with points are known. Throws InputError for a map without points, and FileError.
-Files save_grid(const CloudParts& map, const GridOptions& options,
-                const std::filesystem::path& directory,
-                const std::optional<GridRays>& rays = std::nullopt);
+Files write_grid(const CloudParts& map, const GridOptions& options,
+                 const std::filesystem::path& directory,
+                 const std::optional<GridRays>& rays = std::nullopt);
 
 }  // namespace lidar_mapping::map

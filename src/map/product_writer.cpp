@@ -88,11 +88,13 @@ void ProductWriter::write_picture() {
   add({picture()});
 }
 
-void ProductWriter::write_grid() { add(save_grid(points(), grid_options(), directory_, rays())); }
+void ProductWriter::write_grid() {
+  add(map::write_grid(points(), grid_options(), directory_, rays()));
+}
 
 void ProductWriter::write_tiles() {
   const auto folder = directory_ / "pointcloud_map";
-  save_tiles(tiles(), effective_tile_size(config_), folder);
+  map::write_tiles(tiles(), effective_tile_size(config_), folder);
   add({folder});
 }
 
@@ -138,14 +140,20 @@ void ProductWriter::make_tiles_of_levels() {
   write_whole_folder(ept_folder(), "ept.json", "Entwine Point Tiles",
                      [&](const std::filesystem::path& folder) {
                        map::write_ept(tiles(), ept, folder);
-                       if (!is_selected("web")) return;
-                       add_web_page(web_page(), folder);
+                       if (is_selected(&ProductWriter::write_web)) add_web_page(web_page(), folder);
                      });
   has_tiles_of_levels_ = true;
 }
 
 bool ProductWriter::is_selected(const std::string& format) const {
   return contains(options_.formats, format);
+}
+
+bool ProductWriter::is_selected(void (ProductWriter::*writer)()) const {
+  const auto& formats = map_formats();
+  return std::any_of(formats.begin(), formats.end(), [&](const MapFormat& format) {
+    return format.write == writer && is_selected(format.name);
+  });
 }
 
 WebPage ProductWriter::web_page() {
@@ -211,9 +219,11 @@ void ProductWriter::write_point_files() {
   }
   if (formats.empty()) return;
   ConcurrentTask concurrent_task;
-  if (is_selected("png")) concurrent_task = {[this] { draw(); }, config_.threads};
-  add(save_map(options_.utm ? in_utm(points()) : points(), description(), directory_, formats,
-               concurrent_task));
+  if (is_selected(&ProductWriter::write_picture)) {
+    concurrent_task = {[this] { draw(); }, config_.threads};
+  }
+  add(map::write_point_files(options_.utm ? in_utm(points()) : points(), description(), directory_,
+                             formats, concurrent_task));
 }
 
 void ProductWriter::draw() {

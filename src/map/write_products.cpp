@@ -2,8 +2,6 @@
 #include "lidar_mapping/map/write_products.hpp"
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/text.hpp"
-#include "lidar_mapping/map/map_builder.hpp"
 
 #include "map_formats.hpp"
 #include "product_writer.hpp"
@@ -14,8 +12,7 @@ Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const M
                         const ProductOptions& requested_options,
                         const std::filesystem::path& directory) {
   ProductOptions options = requested_options;
-  options.formats = known_formats(requested_options.formats);
-  if (contains(options.formats, "grid")) grid_cell(config);
+  options.formats = known_formats(requested_options.formats, config);
   if (options.utm && !options.datum) {
     throw InputError(
         "the place of the map on Earth is not known, as there was no GNSS; leave UTM out");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <future>
 #include <optional>
+#include <utility>
 
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
@@ -41,10 +42,13 @@ FactorGraph make_factors(const PoseGraph& graph, const GraphOptions& options) {
   }
   const auto ends = edge_positions(graph);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const bool loop = !is_odometry(graph.edges[i]);
-    factors.add({residual_of(graph.edges[i], graph.planar), ends[i].first, ends[i].second,
-                 loop && options.graduated, loop ? options.kernel : RobustKernel::kNone,
-                 options.kernel_size});
+    Constraint constraint{residual_of(graph.edges[i], graph.planar), ends[i].first, ends[i].second};
+    if (!is_odometry(graph.edges[i])) {
+      constraint.switchable = options.graduated;
+      constraint.kernel = options.kernel;
+    }
+    constraint.kernel_size = options.kernel_size;
+    factors.add(std::move(constraint));
   }
   return factors;
 }

@@ -30,7 +30,7 @@ class Preprocessor::Impl {
         extrinsics_(std::move(lookup)),
         sensors_(config, extrinsics_),
         gnss_(config, extrinsics_),
-        latency_(from_seconds(config.max_latency)) {}
+        progress_{0, from_seconds(config.max_latency)} {}
 
   void add_imu(const ImuSample& sample, const std::string& frame_id) {
     if (!config_.use_imu) return;
@@ -78,16 +78,17 @@ class Preprocessor::Impl {
     diagnostics_.rejected_scan(stamp);
   }
 
-  std::vector<SyncedScan> complete_scans(bool all) {
-    for (const std::string& problem : gnss_.evaluate_pending(sensors_, newest_, latency_, all)) {
+  std::vector<SyncedScan> complete_scans(Waiting waiting) {
+    for (const std::string& problem : gnss_.evaluate_pending(sensors_, progress_, waiting)) {
       reject_fix(problem);
     }
     for (const Diagnostic& diagnostic : gnss_.take_diagnostics())
       diagnostics_.report(diagnostic.text, diagnostic);
     std::vector<SyncedScan> result;
     while (!queue_.empty()) {
-      const bool leaves_early = !all && queue_.is_too_long();
-      if (!all && !leaves_early && is_incomplete(queue_.oldest())) break;
+      const bool may_wait = waiting == Waiting::kGoesOn;
+      const bool leaves_early = may_wait && queue_.is_too_long();
+      if (may_wait && !leaves_early && is_incomplete(queue_.oldest())) break;
       if (leaves_early) ++counters_.scans_waiting_too_long;
       if (auto synced = complete(queue_.take_oldest())) result.push_back(*std::move(synced));
     }
@@ -107,8 +108,8 @@ class Preprocessor::Impl {
   }
 
   bool is_stray(const std::string& input, StampGuard& guard, Stamp stamp) {
-    if (guard.accepts(stamp, newest_)) return false;
-    diagnostics_.stray_stamp(input, stamp - newest_);
+    if (guard.accepts(stamp, progress_.newest)) return false;
+    diagnostics_.stray_stamp(input, stamp - progress_.newest);
     return true;
   }
 
@@ -118,11 +119,11 @@ class Preprocessor::Impl {
   bool insert_or_reset(const std::string& input, Stamp stamp, const Insert& insert) {
     Insertion insertion = insert();
     if (insertion == Insertion::kTimeWentBack) {
-      reset(input, newest_ - stamp);
+      reset(input, progress_.newest - stamp);
       insertion = insert();
     }
     if (insertion != Insertion::kInserted) return false;
-    newest_ = std::max(newest_, stamp);
+    progress_.newest = std::max(progress_.newest, stamp);
     return true;
   }
 
@@ -133,7 +134,7 @@ class Preprocessor::Impl {
     gnss_.clear();
     counters_.scans_discarded += queue_.size();
     queue_.clear();
-    newest_ = last_stamp_ = 0;
+    progress_.newest = last_stamp_ = 0;
   }
 
   void reject_fix(const std::string& problem) {
@@ -144,9 +145,9 @@ class Preprocessor::Impl {
   bool is_incomplete(const WaitingScan& scan) const {
     if (!extrinsics_.T_base(scan.raw.frame_id)) return true;
     const Stamp end = scan.raw.stamp + from_seconds(scan.span.end);
-    return sensors_.imu().may_still_deliver(end, newest_, latency_) ||
-           sensors_.velocity().may_still_deliver(end, newest_, latency_) ||
-           gnss_.may_still_deliver(scan.raw.stamp, newest_, latency_);
+    return sensors_.imu().may_still_deliver(end, progress_) ||
+           sensors_.velocity().may_still_deliver(end, progress_) ||
+           gnss_.may_still_deliver(scan.raw.stamp, progress_);
   }
 
   std::optional<SyncedScan> complete(WaitingScan scan) {
@@ -256,10 +257,9 @@ class Preprocessor::Impl {
   Extrinsics extrinsics_;
   MotionSensors sensors_;
   GnssTrack gnss_;
-  Stamp latency_;
+  Progress progress_;
   StampGuard scan_guard_, imu_guard_, velocity_guard_, gnss_guard_;
   ScanQueue queue_;
-  Stamp newest_ = 0;      ///< the latest time of all data
   Stamp last_stamp_ = 0;  ///< of the previous scan
   PreprocessingCounters counters_;
   InputDiagnostics diagnostics_;
@@ -280,10 +280,12 @@ void Preprocessor::add_gnss(const GnssFix& fix, const std::string& frame_id) {
 }
 std::vector<SyncedScan> Preprocessor::process(RawScan scan) {
   impl_->enqueue(std::move(scan));
-  return impl_->complete_scans(false);
+  return impl_->complete_scans(Waiting::kGoesOn);
 }
-std::vector<SyncedScan> Preprocessor::take_complete() { return impl_->complete_scans(false); }
-std::vector<SyncedScan> Preprocessor::flush() { return impl_->complete_scans(true); }
+std::vector<SyncedScan> Preprocessor::take_complete() {
+  return impl_->complete_scans(Waiting::kGoesOn);
+}
+std::vector<SyncedScan> Preprocessor::flush() { return impl_->complete_scans(Waiting::kEnds); }
 std::optional<GeodeticDatum> Preprocessor::datum() const { return impl_->datum(); }
 const PreprocessingCounters& Preprocessor::counters() const { return impl_->counters(); }
 std::vector<Diagnostic> Preprocessor::take_diagnostics() { return impl_->take_diagnostics(); }

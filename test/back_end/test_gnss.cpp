@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "back_end_fixture.hpp"
 #include "gnss/gnss_alignment.hpp"
 #include "near.hpp"
@@ -16,8 +18,6 @@ using test::feed;
 using test::optimize;
 using test::SyntheticDrive;
 using test::true_rmse;
-
-constexpr double kDeg = M_PI / 180.0;
 
 struct MappedDrive {
   SyntheticDrive drive;
@@ -47,7 +47,7 @@ TEST(Gnss, ThirtyMetresDetermineTheHeadingWithoutAnImu) {
     optimize(back_end);
     const Pose& last = back_end.poses().poses.back().T_map_base;
     EXPECT_LT(std::abs(yaw_of(run.drive.truth[30].rotation.conjugate() * last.rotation)),
-              1.0 * kDeg);
+              1.0 * kRadPerDeg);
   }
 }
 
@@ -83,7 +83,8 @@ TEST(Gnss, TenMetresSufficeForAccurateFixes) {
     drive_shortly(run, 10, 0.02, back_end);
     const auto poses = back_end.poses().poses;
     const Eigen::Quaterniond& rotation = poses.back().T_map_base.rotation;
-    EXPECT_LT(std::abs(yaw_of(run.drive.truth[10].rotation.conjugate() * rotation)), 2.0 * kDeg);
+    EXPECT_LT(std::abs(yaw_of(run.drive.truth[10].rotation.conjugate() * rotation)),
+              2.0 * kRadPerDeg);
     EXPECT_LT(test::position_rmse(poses, run.drive.truth, false), 0.1);
   }
 }
@@ -141,7 +142,7 @@ TEST(Gnss, TheMapDoesNotDependOnTheStartHeading) {
   double reference = 0.0;
   for (const double yaw_deg : {0.0, 170.0}) {
     DriveSettings settings;
-    settings.start_yaw = yaw_deg * kDeg;
+    settings.start_yaw = yaw_deg * kRadPerDeg;
     MappedDrive run(settings);
     for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i));
     optimize(run.back_end);
@@ -262,7 +263,7 @@ TEST(Gnss, AStraightRoadDoesNotRoll) {
   optimize(back_end);
   for (const KeyFramePose& pose : back_end.poses().poses) {
     const Eigen::Vector3d left = pose.T_map_base.rotation * Eigen::Vector3d::UnitY();
-    EXPECT_LT(std::abs(std::asin(left.z())), 0.1 * kDeg);
+    EXPECT_LT(std::abs(std::asin(left.z())), 0.1 * kRadPerDeg);
   }
 }
 
@@ -375,6 +376,9 @@ TEST(Gnss, DefaultsReachTwoDecimetresWithRtk) {
   EXPECT_LT(true_rmse(run.back_end, run.drive), 0.2);
 }
 
+/// Least extent in m, largest standard deviation of the heading in rad.
+constexpr AlignmentLimits kAlignmentLimits = {20.0, 0.02};
+
 TEST(Alignment, ToleratesNearlyHalfOfTheFixesAsOutliers) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 0.05);
@@ -388,7 +392,7 @@ TEST(Alignment, ToleratesNearlyHalfOfTheFixesAsOutliers) {
     sample.stddev_horizontal = 0.05;
     samples.push_back(sample);
   }
-  const auto alignment = align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 0.02});
+  const auto alignment = align_to_enu(samples, Eigen::Quaterniond::Identity(), kAlignmentLimits);
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(yaw_of(alignment->T_enu_map.rotation), 2.0, 0.01);
   EXPECT_TRUE(test::near(alignment->T_enu_map.translation, T_enu_map.translation, 0.5));
@@ -403,9 +407,15 @@ TEST(Alignment, NeedsATrackThatIsLongForTheErrorsOfTheFixes) {
     sample.stddev_horizontal = 3.0;
     samples.push_back(sample);
   }
-  EXPECT_FALSE(align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 0.02}));
-  EXPECT_FALSE(align_to_enu(samples, Eigen::Quaterniond::Identity(), {50.0, 1.0}));
-  EXPECT_TRUE(align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 1.0}));
+  const auto is_aligned = [&](const AlignmentLimits& limits) {
+    return align_to_enu(samples, Eigen::Quaterniond::Identity(), limits).has_value();
+  };
+  EXPECT_FALSE(is_aligned(kAlignmentLimits));
+  AlignmentLimits any_heading = kAlignmentLimits;
+  any_heading.max_heading_stddev = 1.0;
+  EXPECT_TRUE(is_aligned(any_heading));
+  any_heading.min_extent = 50.0;
+  EXPECT_FALSE(is_aligned(any_heading)) << "the track has 29 m";
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST_F(GraphBuilderTest, TakesTheFirstOfTwoMeasurementsAtAKeyFrame) {
   builder_.add_gnss(position_at(20, 2.0), drive_);
   ASSERT_EQ(drive_.gnss.size(), 1U);
   EXPECT_EQ(drive_.gnss[0].position.p_enu_antenna.x(), 1.0);
-  EXPECT_EQ(builder_.new_data.gnss, 1);
+  EXPECT_EQ(builder_.new_data().gnss, 1);
 }
 
 TEST_F(GraphBuilderTest, LeavesMeasurementsWithoutAKeyFrame) {
@@ -159,7 +159,7 @@ TEST_F(GraphBuilderTest, CountsPositionsThatAreOfNoUse) {
   builder_.add_gnss(position_at(10, 0.0, 1.1 * config_.gnss_max_stddev_m), drive_);
   EXPECT_TRUE(drive_.gnss.empty());
   EXPECT_EQ(drive_.unusable_gnss, 6U);
-  EXPECT_EQ(builder_.new_data.gnss, 0);
+  EXPECT_EQ(builder_.new_data().gnss, 0);
   position = position_at(10);
   position.p_enu_antenna.z() = kNaN;  // a receiver without altitude
   builder_.add_gnss(position, drive_);
@@ -200,7 +200,7 @@ TEST_F(GraphBuilderTest, RefusesKeyFramesThatCannotBe) {
   const std::string text = error_of(bad);
   EXPECT_NE(text.find("key frame 30"), std::string::npos) << text;
   EXPECT_EQ(drive_.nodes.size(), 2U) << "the drive stays as it was";
-  EXPECT_EQ(builder_.new_data.key_frames, 2);
+  EXPECT_EQ(builder_.new_data().key_frames, 2);
   EXPECT_EQ(error_of(key_frame(30, 3.0)), "");
 }
 
@@ -254,7 +254,7 @@ TEST_F(GraphBuilderTest, FindsKeyFramesOfLoopsByTheirIndex) {
   refused.decision = LoopDecision::kRefuse;
   EXPECT_TRUE(builder_.add_loop(refused, drive_));
   EXPECT_TRUE(drive_.loops[1].evaluated) << "a person has decided";
-  EXPECT_EQ(builder_.new_data.loops, 2);
+  EXPECT_EQ(builder_.new_data().loops, 2);
 }
 
 TEST_F(GraphBuilderTest, RefusesLoopsThatCannotBe) {
@@ -269,7 +269,7 @@ TEST_F(GraphBuilderTest, RefusesLoopsThatCannotBe) {
   loop.covariance(3, 3) = -1.0;
   EXPECT_FALSE(builder_.add_loop(loop, drive_));
   EXPECT_TRUE(drive_.loops.empty());
-  EXPECT_EQ(builder_.new_data.loops, 0);
+  EXPECT_EQ(builder_.new_data().loops, 0);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "back_end_fixture.hpp"
 #include "imu/tilt_scatter.hpp"
 #include "imu/vertical.hpp"
@@ -13,8 +15,6 @@
 
 namespace lidar_mapping::back_end {
 namespace {
-
-constexpr double kDeg = M_PI / 180.0;
 
 /// Error of the IMU's orientation at a key frame, about the axes of the map (deg).
 using TiltError = std::function<Eigen::Vector3d(std::size_t)>;
@@ -34,7 +34,7 @@ DriveGraph round_drive(std::size_t count, const TiltError& error, std::size_t se
     node.T_odom_base.rotation = exp_so3({0.5 * node.segment, 0.2, 0.1}) * R_map_base;
     DriveImu imu;
     imu.node = static_cast<int>(i);
-    imu.sample.orientation = exp_so3(kDeg * error(i)) * R_map_base;
+    imu.sample.orientation = exp_so3(kRadPerDeg * error(i)) * R_map_base;
     drive.nodes.push_back(node);
     drive.imu.push_back(imu);
   }
@@ -57,7 +57,7 @@ TiltError noise(double sigma, double length) {
 }
 
 double stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
-  return tilt_stddev(drive, config) / kDeg;
+  return tilt_stddev(drive, config) / kRadPerDeg;
 }
 
 TEST(TiltScatter, OfIndependentErrorsIsTheirStandardDeviation) {
@@ -106,9 +106,9 @@ TEST(TiltScatter, IsAsConfiguredIfOnlyOdometryDeterminesTheHeight) {
 TEST(TiltScatter, WeightsTheTiltWithoutChangingTheParameter) {
   const BackEndConfig config;
   DriveGraph drive = round_drive(1, noise(0.8, 0.0));
-  EXPECT_NEAR(verticals(drive, config).front().stddev, 2.0 * kDeg, 1e-12);
-  drive.tilt_stddev = 0.7 * kDeg;
-  EXPECT_NEAR(verticals(drive, config).front().stddev, 0.7 * kDeg, 1e-12);
+  EXPECT_NEAR(verticals(drive, config).front().stddev, 2.0 * kRadPerDeg, 1e-12);
+  drive.tilt_stddev = 0.7 * kRadPerDeg;
+  EXPECT_NEAR(verticals(drive, config).front().stddev, 0.7 * kRadPerDeg, 1e-12);
 
   const test::SyntheticDrive laps = test::make_drive();
   BackEnd back_end(config);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "back_end_fixture.hpp"
 #include "near.hpp"
 
@@ -11,8 +13,6 @@ using test::DriveSettings;
 using test::feed;
 using test::optimize;
 using test::SyntheticDrive;
-
-constexpr double kDeg = M_PI / 180.0;
 
 /// Odometry with a slow drift in roll and pitch.
 SyntheticDrive tilting_drive(double slope = 0.0) {
@@ -25,7 +25,7 @@ SyntheticDrive tilting_drive(double slope = 0.0) {
     drive.truth[i] = Pose{ramp, Eigen::Vector3d::Zero()} * drive.truth[i];
     if (i == 0) continue;
     Pose motion = drive.truth[i - 1].inverse() * drive.truth[i];
-    motion.rotation = motion.rotation * exp_so3({0.01 * kDeg, 0.02 * kDeg, 0.0});
+    motion.rotation = motion.rotation * exp_so3({0.01 * kRadPerDeg, 0.02 * kRadPerDeg, 0.0});
     drive.key_frames[i].T_odom_base = drive.key_frames[i - 1].T_odom_base * motion;
   }
   return drive;
@@ -68,12 +68,12 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
   // The heading of such an orientation is arbitrary.
   const SyntheticDrive drive = tilting_drive();
   BackEndConfig config;
-  config.imu_orientation_stddev = 0.5 * kDeg;
+  config.imu_orientation_stddev = 0.5 * kRadPerDeg;
   BackEnd back_end(config);
   feed(back_end, drive);
-  EXPECT_GT(mean_tilt_error(back_end, drive), 1.0 * kDeg);
+  EXPECT_GT(mean_tilt_error(back_end, drive), 1.0 * kRadPerDeg);
   std::mt19937 engine(2);
-  std::normal_distribution<double> normal(0.0, 0.5 * kDeg);
+  std::normal_distribution<double> normal(0.0, 0.5 * kRadPerDeg);
   for (std::size_t i = 0; i < drive.truth.size(); ++i) {
     ImuSample sample = imu_at(drive, i);
     sample.orientation = exp_so3({0.0, 0.0, 1.2}) * drive.truth[i].rotation *
@@ -81,7 +81,7 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
     back_end.add_imu(sample);
   }
   EXPECT_TRUE(optimize(back_end).success);
-  EXPECT_LT(mean_tilt_error(back_end, drive), 0.3 * kDeg);
+  EXPECT_LT(mean_tilt_error(back_end, drive), 0.3 * kRadPerDeg);
 }
 
 TEST(Imu, ItsOrientationCanBeSwitchedOff) {
@@ -97,7 +97,7 @@ TEST(Imu, ItsOrientationCanBeSwitchedOff) {
     back_end.add_imu(sample);
   }
   optimize(back_end);
-  EXPECT_NEAR(mean_tilt_error(back_end, drive), before, 0.01 * kDeg);
+  EXPECT_NEAR(mean_tilt_error(back_end, drive), before, 0.01 * kRadPerDeg);
 }
 
 TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
@@ -105,7 +105,7 @@ TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
   for (const double sign : {1.0, -1.0}) {
     BackEndConfig config;
     config.enable_imu_acceleration = true;
-    config.imu_acceleration_stddev = 0.5 * kDeg;
+    config.imu_acceleration_stddev = 0.5 * kRadPerDeg;
     BackEnd back_end(config);
     feed(back_end, drive);
     for (std::size_t i = 0; i < drive.truth.size(); ++i) {
@@ -116,7 +116,7 @@ TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
       back_end.add_imu(sample);
     }
     EXPECT_TRUE(optimize(back_end).success);
-    EXPECT_LT(mean_tilt_error(back_end, drive), 0.2 * kDeg) << "sign " << sign;
+    EXPECT_LT(mean_tilt_error(back_end, drive), 0.2 * kRadPerDeg) << "sign " << sign;
   }
 }
 
@@ -127,7 +127,7 @@ TEST(Imu, HeadingsWithPositionsRotateTheGraph) {
   const auto error_with = [&](bool headings) {
     BackEndConfig config;
     config.enable_imu_heading = headings;
-    config.imu_heading_stddev = 0.5 * kDeg;
+    config.imu_heading_stddev = 0.5 * kRadPerDeg;
     BackEnd back_end(config);
     feed(back_end, drive);
     std::mt19937 engine(2);
@@ -140,7 +140,7 @@ TEST(Imu, HeadingsWithPositionsRotateTheGraph) {
     const Pose& last = back_end.poses().poses.back().T_map_base;
     return std::abs(yaw_of(drive.truth.back().rotation.conjugate() * last.rotation));
   };
-  EXPECT_LT(error_with(true), 1.0 * kDeg);
+  EXPECT_LT(error_with(true), 1.0 * kRadPerDeg);
   EXPECT_LT(error_with(true), error_with(false));
 }
 
@@ -157,7 +157,7 @@ Floor floor_at(const SyntheticDrive& drive, std::size_t i, const Eigen::Vector3d
 
 double height_error_with(FloorConstraint constraint, const SyntheticDrive& drive, double slope) {
   BackEndConfig config;
-  config.floor_stddev_rad = 0.02 * kDeg;  // as even as the floor of a hall
+  config.floor_stddev_rad = 0.02 * kRadPerDeg;  // as even as the floor of a hall
   config.floor_constraint = constraint;
   BackEnd back_end(config);
   feed(back_end, drive);
@@ -197,7 +197,7 @@ TEST(Floor, NoisyFloorsHardlyDisturbGoodOdometry) {
   for (std::size_t i = 0; i < drive.truth.size(); ++i) {
     const double phase = 2.0 * M_PI * static_cast<double>(i) / 60.0;
     const Eigen::Vector3d up =
-        exp_so3({0.0, 1.0 * kDeg * std::sin(phase), 0.0}) * Eigen::Vector3d::UnitZ();
+        exp_so3({0.0, 1.0 * kRadPerDeg * std::sin(phase), 0.0}) * Eigen::Vector3d::UnitZ();
     Floor floor = floor_at(drive, i, up, 1.8 + 0.04 * std::cos(phase));
     floor.covariance = Eigen::Vector3d(4e-6, 4e-6, 1e-4).asDiagonal();
     back_end.add_floor(floor);

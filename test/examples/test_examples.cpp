@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/session/session.hpp"
@@ -124,7 +125,7 @@ TEST_P(RegisterTwoScans, FindsTheTrueMotionToACentimetre) {
   const std::vector<double> t = numbers_after("translation ", said, 3);
   const std::vector<double> r = numbers_after("rotation vector ", said, 3);
   const Pose found{exp_so3({r[0], r[1], r[2]}), {t[0], t[1], t[2]}};
-  EXPECT_TRUE(test::near(found, truth, 0.01, 0.1 * M_PI / 180.0)) << said;
+  EXPECT_TRUE(test::near(found, truth, 0.01, 0.1 * kRadPerDeg)) << said;
 }
 
 // PCL's methods take planes from neighbours at a fixed number, which with 16 beams are those of

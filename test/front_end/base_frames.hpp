@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/front_end/prior_of.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
@@ -54,10 +55,9 @@ struct OtherBase {
 /// A base_link that is displaced (m) and then turned about z, y and x (degrees).
 inline OtherBase other_base(std::string name, const Eigen::Vector3d& at, double yaw_deg,
                             double pitch_deg, double roll_deg) {
-  const double to_rad = M_PI / 180.0;
-  const Eigen::AngleAxisd yaw(yaw_deg * to_rad, Eigen::Vector3d::UnitZ());
-  const Eigen::AngleAxisd pitch(pitch_deg * to_rad, Eigen::Vector3d::UnitY());
-  const Eigen::AngleAxisd roll(roll_deg * to_rad, Eigen::Vector3d::UnitX());
+  const Eigen::AngleAxisd yaw(yaw_deg * kRadPerDeg, Eigen::Vector3d::UnitZ());
+  const Eigen::AngleAxisd pitch(pitch_deg * kRadPerDeg, Eigen::Vector3d::UnitY());
+  const Eigen::AngleAxisd roll(roll_deg * kRadPerDeg, Eigen::Vector3d::UnitX());
   return {std::move(name), Pose{Eigen::Quaterniond(yaw * pitch * roll), at}};
 }
 
@@ -164,7 +164,7 @@ inline TrackDifference difference_of(const SensorTrack& a, const SensorTrack& b)
   for (std::size_t i = 0; i < a.T_first_lidar.size(); ++i) {
     const Pose T_a_b = a.T_first_lidar[i].inverse() * b.T_first_lidar[i];
     largest.metres = std::max(largest.metres, T_a_b.translation.norm());
-    largest.degrees = std::max(largest.degrees, rotation_angle(T_a_b.rotation) * 180.0 / M_PI);
+    largest.degrees = std::max(largest.degrees, rotation_angle(T_a_b.rotation) * kDegPerRad);
   }
   return largest;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
@@ -79,7 +80,7 @@ class EvaluatedDrive {
   double angle_error() const {
     const Pose truth = T_map_begin_->inverse() * T_map_last_;
     const Pose found = T_odom_begin_.inverse() * result_.T_odom_base;
-    return rotation_angle(truth.rotation.conjugate() * found.rotation) * 180.0 / M_PI;
+    return rotation_angle(truth.rotation.conjugate() * found.rotation) * kDegPerRad;
   }
   /// Error of the step to the present result from the one at which end_step() was called last.
   Pose step_error() const {

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/prior_of.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
@@ -116,7 +117,7 @@ TEST(CarriedDrive, StepsRotateCorrectlyWithAGyro) {
     EXPECT_EQ(outcome.lost, 0U);
     EXPECT_EQ(outcome.distrusted, 0U);
     EXPECT_EQ(outcome.vertical_ride_distance, 0.0);
-    EXPECT_LT(outcome.largest_turn, 1.0 * M_PI / 180.0);
+    EXPECT_LT(outcome.largest_turn, 1.0 * kRadPerDeg);
     EXPECT_LT(outcome.start_error, 0.12);
     EXPECT_LT(outcome.error, 0.05);
   }

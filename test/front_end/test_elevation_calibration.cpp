@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 
 #include "evaluated_drive.hpp"
@@ -13,8 +14,6 @@
 
 namespace lidar_mapping::front_end {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 /// Of a sensor with many beams, which see much from one place to the next.
 simulation::Drive town(double duration) { return make_drive("town", duration, 3, "hdl64"); }
@@ -71,14 +70,14 @@ ElevationCalibration calibrate(const simulation::Drive& drive, std::size_t first
 class ElevationCalibrationTest : public testing::TestWithParam<double> {};
 
 TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
-  const double angle = GetParam() * kDegree;
+  const double angle = GetParam() * kRadPerDeg;
   const ElevationCalibration calibration = calibrate(town(22.0), 20, angle);
   const ElevationEstimate accepted_angle = calibration.estimate();
-  EXPECT_LT(accepted_angle.sigma, 0.04 * kDegree)
+  EXPECT_LT(accepted_angle.sigma, 0.04 * kRadPerDeg)
       << "0.6 of that of a pair, 0.05, and their scatter";
   EXPECT_NEAR(accepted_angle.angle, angle, 3.0 * accepted_angle.sigma);
   // Nothing is corrected that is right, and most of what is wrong.
-  EXPECT_NEAR(calibration.accepted_angle(), angle, angle == 0.0 ? 0.0 : 0.05 * kDegree);
+  EXPECT_NEAR(calibration.accepted_angle(), angle, angle == 0.0 ? 0.0 : 0.05 * kRadPerDeg);
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
@@ -99,7 +98,7 @@ TEST(ElevationCalibration, IgnoresScansThatDoNotDetermineTheirRelativePose) {
   constexpr std::size_t kInside = 250;  // from here on the tube is nearly all that is in sight
   const ElevationCalibration calibration = calibrate(make_drive("tunnel", 33.0, 3), kInside, 0.0);
   // Its pairs would seem to give 0.037 degrees to within 0.013.
-  EXPECT_GT(calibration.estimate().sigma, 0.03 * kDegree);
+  EXPECT_GT(calibration.estimate().sigma, 0.03 * kRadPerDeg);
   EXPECT_EQ(calibration.accepted_angle(), 0.0);
 }
 
@@ -108,13 +107,13 @@ TEST(ElevationCalibration, IgnoresScansThatDoNotDetermineTheirRelativePose) {
 TEST(ElevationCalibration, IgnoresTheCommonErrorOfAPlace) {
   for (const std::uint64_t seed : {63, 68}) {
     const ElevationCalibration calibration = calibrate(make_drive("car_park", 60.0, seed), 0, 0.0);
-    EXPECT_LT(calibration.estimate().angle, -0.25 * kDegree) << seed;
+    EXPECT_LT(calibration.estimate().angle, -0.25 * kRadPerDeg) << seed;
     EXPECT_EQ(calibration.accepted_angle(), 0.0) << seed;
   }
 }
 
 TEST(FrontEnd, RotatesThePointsOfASensorWithWrongElevations) {
-  const double angle = 0.3 * kDegree;
+  const double angle = 0.3 * kRadPerDeg;
   const simulation::Drive drive = town(20.0);
   FrontEndConfig config;
   config.key_frame_cloud_resolution = 0.0;
@@ -133,11 +132,11 @@ TEST(FrontEnd, RotatesThePointsOfASensorWithWrongElevations) {
     const double rise =
         mean_elevation(*turned.key_frame->cloud) - mean_elevation(*untouched.key_frame->cloud);
     // Not at once: the map that the scan is matched with has still the fault.
-    EXPECT_NEAR(rise, last_rise, 0.12 * kDegree);
+    EXPECT_NEAR(rise, last_rise, 0.12 * kRadPerDeg);
     last_rise = rise;
   }
-  EXPECT_NEAR(last_rise, shift, 0.03 * kDegree);
-  EXPECT_NEAR(shift, angle, 0.1 * kDegree);
+  EXPECT_NEAR(last_rise, shift, 0.03 * kRadPerDeg);
+  EXPECT_NEAR(shift, angle, 0.1 * kRadPerDeg);
 }
 
 }  // namespace lidar_mapping::front_end

@@ -59,7 +59,10 @@ TEST(KeyFrameRule, MeasuresTheSameInAllDirections) {
 
 TEST(KeyFrameRule, IntervalIsUsedOnlyIfSet) {
   EXPECT_FALSE((KeyFrameRule{2.0, 1.0, 0.0}.reached(Pose{}, from_seconds(1e5))));
-  EXPECT_TRUE((KeyFrameRule{2.0, 1.0, 5.0}.reached(Pose{}, from_seconds(5.0))));
+  const KeyFrameRule timed{2.0, 1.0, 5.0};
+  EXPECT_TRUE(timed.reached(Pose{}, from_seconds(5.0)));
+  EXPECT_FALSE(timed.motion_reached(Pose{}));
+  EXPECT_TRUE(timed.motion_reached({Eigen::Quaterniond::Identity(), {2.0, 0.0, 0.0}}));
 }
 
 registration::NdtMatch match_of(double overlap, double pair_quality) {

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "evaluated_drive.hpp"
 #include "near.hpp"
 #include "normalised_error.hpp"
@@ -99,7 +101,7 @@ TEST_P(StartAtSpeed, HasKeyFramesAsGoodAsOthers) {
   const KeyFrame& first = key_frames.front();
   const KeyFrame& last = key_frames.back();
   EXPECT_LT(error.mean(), 6.0);
-  EXPECT_TRUE(test::near(way(last, first), true_way(last, first), 0.02, 0.1 * M_PI / 180.0))
+  EXPECT_TRUE(test::near(way(last, first), true_way(last, first), 0.02, 0.1 * kRadPerDeg))
       << "0.022 to 0.036 m and 0.18 to 0.32 degrees without another look";
 }
 

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "evaluated_drive.hpp"
 #include "judgement/match_evidence.hpp"
 #include "judgement/step_belief.hpp"
@@ -15,8 +17,6 @@ namespace {
 
 using registration::kNdtParts;
 using registration::kNdtSectors;
-
-constexpr double kDegree = M_PI / 180.0;
 
 /// Parts that all see the pose equally well; those in the first half want it moved by `shift`.
 registration::NdtMatch match_pulled_apart(const Vector6d& shift, bool (*in_first)(std::size_t)) {
@@ -84,12 +84,12 @@ StepEvidence good_evidence() {
   evidence.iterations = 5.0;
   evidence.seconds = 0.1;
   evidence.sigma = 0.004;
-  evidence.sigma_angle = 0.03 * kDegree;
+  evidence.sigma_angle = 0.03 * kRadPerDeg;
   evidence.surprise = 0.02;
-  evidence.surprise_angle = 0.1 * kDegree;
+  evidence.surprise_angle = 0.1 * kRadPerDeg;
   evidence.surprise_sigmas = 0.5;
   evidence.disagreement = 0.01;
-  evidence.disagreement_angle = 0.02 * kDegree;
+  evidence.disagreement_angle = 0.02 * kRadPerDeg;
   evidence.disagreement_sigmas = 1.0;
   return evidence;
 }
@@ -113,11 +113,11 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
   evidence.points = 500.0;
   evidence.overlap = 0.3;
   evidence.sigma = 0.3;
-  evidence.sigma_angle = 1.0 * kDegree;
+  evidence.sigma_angle = 1.0 * kRadPerDeg;
   evidence.surprise = 0.5;
-  evidence.surprise_angle = 2.0 * kDegree;
+  evidence.surprise_angle = 2.0 * kRadPerDeg;
   evidence.disagreement = 0.3;
-  evidence.disagreement_angle = 1.0 * kDegree;
+  evidence.disagreement_angle = 1.0 * kRadPerDeg;
   evidence.disagreement_sigmas = 2.5;
   EXPECT_FALSE(evaluate_step(evidence, EvidenceSource::kNdt).is_safe(false));
   EXPECT_NE(state_of(evidence), TrackingState::kTracking);
@@ -127,7 +127,7 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
 TEST(StepBelief, DoesNotDoubtBecauseOfTheCovarianceAlone) {
   StepEvidence evidence = good_evidence();
   evidence.sigma = 0.016;
-  evidence.sigma_angle = 0.37 * kDegree;
+  evidence.sigma_angle = 0.37 * kRadPerDeg;
   EXPECT_EQ(state_of(evidence), TrackingState::kTracking);
 }
 
@@ -140,7 +140,7 @@ TEST(StepBelief, ExpectsLargerErrorsOfWorseEvidence) {
   const StepBelief good = evaluate_step(good_evidence(), EvidenceSource::kNdt);
   const StepBelief belief = evaluate_step(worse, EvidenceSource::kNdt);
   EXPECT_LT(good.expected_error, 0.02);
-  EXPECT_LT(good.expected_error_angle, 0.1 * kDegree);
+  EXPECT_LT(good.expected_error_angle, 0.1 * kRadPerDeg);
   EXPECT_GT(belief.expected_error, 3.0 * good.expected_error);
   EXPECT_GT(belief.expected_error_angle, 3.0 * good.expected_error_angle);
   EXPECT_LT(belief.safety, good.safety);

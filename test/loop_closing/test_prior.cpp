@@ -46,7 +46,7 @@ TEST(Prior, IsTheRelativePoseWithTheDriftOfItsDistance) {
   EXPECT_TRUE(near(prior.T_from_to, planar(250.0, 0.0, 0.0), 1e-9));
   EXPECT_NEAR(prior.sigma_horizontal, 0.02 * 250.0, 1e-9);
   EXPECT_NEAR(prior.sigma_vertical, 0.003 * 250.0 * 0.5, 1e-9) << "250 m are a quarter of 1 km";
-  EXPECT_NEAR(prior.sigma_rotation, 2.5 * 1.5 * kPi / 180.0, 1e-9) << "per 100 m";
+  EXPECT_NEAR(prior.sigma_rotation, 2.5 * 1.5 * kRadPerDeg, 1e-9) << "per 100 m";
   EXPECT_FALSE(prior.gnss);
 }
 

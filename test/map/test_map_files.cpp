@@ -40,9 +40,9 @@ void expect_example(const Cloud& cloud) {
   }
 }
 
-TEST(SaveMap, WritesFilesThatPclReadsBack) {
+TEST(WritePointFiles, WritesFilesThatPclReadsBack) {
   const TemporaryFolder folder;
-  const Files files = save_map(example_map(), {}, folder.path() / "map", {});
+  const Files files = write_point_files(example_map(), {}, folder.path() / "map", {});
   EXPECT_EQ(files.size(), 3U);
   for (const fs::path& file : files) EXPECT_TRUE(fs::is_regular_file(file)) << file;
   pcl::PointCloud<pcl::PointXYZI> cloud;
@@ -53,7 +53,7 @@ TEST(SaveMap, WritesFilesThatPclReadsBack) {
 }
 
 // Larger maps are not compressed, so that they need not be in memory as a whole.
-TEST(SaveMap, WritesLargeMapsInParts) {
+TEST(WritePointFiles, WritesLargeMapsInParts) {
   constexpr std::size_t kPart = 300'000;
   constexpr std::size_t kParts = 8;
   const CloudParts parts([](const CloudParts::Sink& sink) {
@@ -64,7 +64,7 @@ TEST(SaveMap, WritesLargeMapsInParts) {
     }
   });
   const TemporaryFolder folder;
-  save_map(parts, {}, folder.path(), {});
+  write_point_files(parts, {}, folder.path(), {});
   const auto expect_whole = [&](const pcl::PointCloud<pcl::PointXYZI>& cloud) {
     ASSERT_EQ(cloud.size(), kParts * kPart);
     EXPECT_EQ(cloud[kPart - 1].x, 0.0F);
@@ -79,12 +79,12 @@ TEST(SaveMap, WritesLargeMapsInParts) {
 }
 
 // map.yaml holds frame, origin, voxel size and bounds of the map.
-TEST(SaveMap, WritesDescriptionBesideMap) {
+TEST(WritePointFiles, WritesDescriptionBesideMap) {
   const TemporaryFolder folder;
   MapDescription description;
   description.datum = GeodeticDatum{48.1234567891, 11.5, 520.25};
   description.resolution = 0.1;
-  save_map(example_map(), description, folder.path(), {"pcd"});
+  write_point_files(example_map(), description, folder.path(), {"pcd"});
   EXPECT_FALSE(fs::exists(folder.path() / "map.ply"));
   const YAML::Node yaml = YAML::LoadFile((folder.path() / "map.yaml").string());
   EXPECT_EQ(yaml["frame"].as<std::string>(), "map");
@@ -97,7 +97,7 @@ TEST(SaveMap, WritesDescriptionBesideMap) {
 
 // Floats hold northings of UTM only to half a metre; distances in the file are right to a
 // millimetre, and with the origin beside it each point has a position on Earth.
-TEST(SaveMap, UtmFilesKeepDistancesAndOrigin) {
+TEST(WritePointFiles, UtmFilesKeepDistancesAndOrigin) {
   const TemporaryFolder folder;
   MapDescription description;
   description.datum = GeodeticDatum{49.0, 8.4, 110.0};
@@ -108,7 +108,7 @@ TEST(SaveMap, UtmFilesKeepDistancesAndOrigin) {
       map,
       [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return utm.from_enu(p) - utm.origin(); },
       folder.path());
-  const Files files = save_map(moved, description, folder.path(), {"pcd"});
+  const Files files = write_point_files(moved, description, folder.path(), {"pcd"});
   EXPECT_EQ(files.size(), 3U);
   pcl::PointCloud<pcl::PointXYZI> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile((folder.path() / "map.pcd").string(), cloud), 0);
@@ -130,40 +130,41 @@ TEST(SaveMap, UtmFilesKeepDistancesAndOrigin) {
   EXPECT_NEAR(yaml["utm_origin"][0].as<double>(), origin.x(), 1e-6);
   EXPECT_EQ(yaml["frame"].as<std::string>(), "utm");
   description.utm.reset();
-  save_map(map, description, folder.path(), {"pcd"});
+  write_point_files(map, description, folder.path(), {"pcd"});
   EXPECT_FALSE(fs::exists(folder.path() / "map.pcd.utm")) << "it would be wrong now";
 }
 
-TEST(SaveMap, RunsConcurrentTaskOnceFilesCanBeWritten) {
+TEST(WritePointFiles, RunsConcurrentTaskOnceFilesCanBeWritten) {
   const TemporaryFolder folder;
   for (const int threads : {1, 2}) {
     int done = 0;
     const ConcurrentTask concurrent_task = {[&done] { ++done; }, threads};
-    EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}, concurrent_task), InputError);
+    EXPECT_THROW(write_point_files(PointCloud(), {}, folder.path(), {}, concurrent_task),
+                 InputError);
     EXPECT_EQ(done, 0);
-    save_map(example_map(), {}, folder.path(), {}, concurrent_task);
+    write_point_files(example_map(), {}, folder.path(), {}, concurrent_task);
     EXPECT_EQ(done, 1);
   }
 }
 
 // Impossible requests are reported.
-TEST(SaveMap, RejectsUnknownFormatsEmptyMapsAndUnwritableFolders) {
+TEST(WritePointFiles, RejectsUnknownFormatsEmptyMapsAndUnwritableFolders) {
   const TemporaryFolder folder;
-  EXPECT_THROW(save_map(example_map(), {}, folder.path(), {"doc"}), InputError);
-  EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}), InputError);
+  EXPECT_THROW(write_point_files(example_map(), {}, folder.path(), {"doc"}), InputError);
+  EXPECT_THROW(write_point_files(PointCloud(), {}, folder.path(), {}), InputError);
   std::ofstream(folder.path() / "file") << "x";
-  EXPECT_THROW(save_map(example_map(), {}, folder.path() / "file", {}), FileError);
+  EXPECT_THROW(write_point_files(example_map(), {}, folder.path() / "file", {}), FileError);
 }
 
 // Files of other origin are not overwritten; those of this package are.
-TEST(SaveMap, ReplacesItsOwnFilesOnly) {
+TEST(WritePointFiles, ReplacesItsOwnFilesOnly) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "map.pcd") << "mine";
-  EXPECT_THROW(save_map(example_map(), {}, folder.path(), {}), FileError);
+  EXPECT_THROW(write_point_files(example_map(), {}, folder.path(), {}), FileError);
   EXPECT_EQ(fs::file_size(folder.path() / "map.pcd"), 4U);
   const fs::path own = folder.path() / "own";
-  save_map(example_map(), {}, own, {});
-  EXPECT_NO_THROW(save_map(example_map(), {}, own, {}));
+  write_point_files(example_map(), {}, own, {});
+  EXPECT_NO_THROW(write_point_files(example_map(), {}, own, {}));
 }
 
 TEST(TopView, DrawsPointsAtTheirPositions) {

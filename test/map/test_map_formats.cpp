@@ -121,6 +121,17 @@ TEST_F(MapFormats, ChangesNeedTheRaysOfTheLidar) {
   EXPECT_THROW(write_products(source_.poses, source_, {}, options, folder_.path()), InputError);
 }
 
+TEST_F(MapFormats, RefuseParametersThatDoNotFitBeforeAFileIsWritten) {
+  MapConfig config;
+  config.grid_cell = config.resolution / 2.0;
+  EXPECT_NO_THROW(check_formats({"pcd"}, config));
+  EXPECT_THROW(check_formats({"pcd", "GRID"}, config), InputError);
+  ProductOptions options;
+  options.formats = {"pcd", "grid"};
+  EXPECT_THROW(write_products(source_.poses, source_, config, options, folder_.path()), InputError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
 TEST_F(MapFormats, NeedPoints) {
   class Nothing : public CloudSource {
    public:

@@ -113,10 +113,10 @@ TEST(BuildTiles, MemoryDoesNotGrowWithLengthOfDrive) {
   expect_no_growth_with_length([](const TileSource& tiles) { tiles([](const MapTile&) {}); });
 }
 
-TEST(SaveMap, MemoryDoesNotGrowWithLengthOfDrive) {
+TEST(WritePointFiles, MemoryDoesNotGrowWithLengthOfDrive) {
   const test::TemporaryFolder folder;
   expect_no_growth_with_length([&](const TileSource& tiles) {
-    save_map(stored_parts(tiles, folder.path()), {}, folder.path(), {"ply"});
+    write_point_files(stored_parts(tiles, folder.path()), {}, folder.path(), {"ply"});
   });
 }
 

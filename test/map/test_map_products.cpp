@@ -55,10 +55,10 @@ Eigen::Vector3d las_point(const std::string& las, std::size_t index) {
   return p;
 }
 
-TEST(SaveTiles, WritesAutowaresLayout) {
+TEST(WriteTiles, WritesAutowaresLayout) {
   const TemporaryFolder folder;
   const fs::path directory = folder.path() / "pointcloud_map";
-  const Files files = save_tiles(pass_example_tiles, kTileSize, directory);
+  const Files files = write_tiles(pass_example_tiles, kTileSize, directory);
   ASSERT_EQ(files.size(), 3U);
   const YAML::Node yaml = YAML::LoadFile((directory / "pointcloud_map_metadata.yaml").string());
   EXPECT_EQ(yaml["x_resolution"].as<double>(), kTileSize);
@@ -67,10 +67,10 @@ TEST(SaveTiles, WritesAutowaresLayout) {
   ASSERT_EQ(pcl::io::loadPCDFile((directory / "10000_-5000.pcd").string(), cloud), 0);
   ASSERT_EQ(cloud.size(), 1U);
   EXPECT_NEAR(cloud[0].x, 10'019.999, 1e-3);
-  EXPECT_EQ(save_tiles(pass_example_tiles, kTileSize, directory).size(), 3U)
+  EXPECT_EQ(write_tiles(pass_example_tiles, kTileSize, directory).size(), 3U)
       << "one's own are replaced";
   std::ofstream(folder.path() / "foreign") << "x";
-  EXPECT_THROW(save_tiles(pass_example_tiles, kTileSize, folder.path()), FileError);
+  EXPECT_THROW(write_tiles(pass_example_tiles, kTileSize, folder.path()), FileError);
   EXPECT_TRUE(fs::exists(folder.path() / "foreign"));
 }
 
@@ -142,7 +142,7 @@ TEST(WriteLas, UsesMapFrameWithoutDatum) {
   EXPECT_NEAR(number_at<double>(las, 187), 1.0, 1e-3) << "smallest x";
 }
 
-TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
+TEST(WriteGrid, MarksObstaclesAboveTheLocalGround) {
   const TemporaryFolder folder;
   PointCloud map;
   for (int i = 0; i < 400; ++i) {
@@ -156,7 +156,7 @@ TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
     }
     if (i % 20 == 5) map.points.push_back({x, y, ground + 3.0F, 0.0F});
   }
-  save_grid(map, {0.1}, folder.path());
+  write_grid(map, {0.1}, folder.path());
   const std::string pgm = content_of(folder.path() / "grid.pgm");
   const std::size_t begin = pgm.find("255\n") + 4;
   ASSERT_EQ(pgm.substr(0, 3), "P5\n");
@@ -187,7 +187,7 @@ int cell_value_at(const fs::path& folder, double x) {
 
 // Ground up to 4 m, a pole at 6 m, a wall at 12 m and ground behind it; rays reach the wall. There
 // are no points of the ground between 4 and 7 m, but the ground around is known.
-TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
+TEST(WriteGrid, MarksCellsFreeWhereRaysPassed) {
   const TemporaryFolder folder;
   PointCloud map;
   for (int i = 0; i < 160; ++i) {
@@ -210,21 +210,21 @@ TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
   poses.poses.push_back({0, 0, Pose()});
   const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);
 
-  save_grid(map, {}, folder.path());
+  write_grid(map, {}, folder.path());
   EXPECT_EQ(cell_value_at(folder.path(), 5.1), 205) << "no ray, no knowledge";
-  save_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
+  write_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
   EXPECT_EQ(cell_value_at(folder.path(), 2.1), 254) << "ground";
   EXPECT_EQ(cell_value_at(folder.path(), 5.1), 254) << "a ray passed";
   EXPECT_EQ(cell_value_at(folder.path(), 6.1), 0) << "rays that pass a pole leave it";
   EXPECT_EQ(cell_value_at(folder.path(), 12.1), 0) << "the wall that they end at";
   const Eigen::Vector3d high(0.0, 0.1, 40.0);
-  save_grid(map, {}, folder.path(), GridRays{poses, clouds, high});
+  write_grid(map, {}, folder.path(), GridRays{poses, clouds, high});
   EXPECT_EQ(cell_value_at(folder.path(), 5.1), 205) << "far above a vehicle";
 }
 
 // Ground up to the border of a square of 400 m, and none in the next one, which lies inside of the
 // grid because of the square behind it. A ray passes on over the border.
-TEST(SaveGrid, UsesTheGroundBeyondTheBorderOfABlock) {
+TEST(WriteGrid, UsesTheGroundBeyondTheBorderOfABlock) {
   const TemporaryFolder folder;
   PointCloud map;
   map.points.push_back({0.05F, 0.1F, 0.0F, 0.0F});
@@ -243,7 +243,7 @@ TEST(SaveGrid, UsesTheGroundBeyondTheBorderOfABlock) {
   KeyFramePoses poses;
   poses.poses.push_back({0, 0, Pose{Eigen::Quaterniond::Identity(), {390.0, 0.0, 0.0}}});
   const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);
-  save_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
+  write_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
   EXPECT_EQ(cell_value_at(folder.path(), 395.1), 254) << "ground";
   EXPECT_EQ(cell_value_at(folder.path(), 401.1), 254) << "the ray passed beside known ground";
   EXPECT_EQ(cell_value_at(folder.path(), 406.1), 205) << "no ground is known";
@@ -259,7 +259,7 @@ TEST(GridCell, RejectsCellsSmallerThanVoxels) {
 }
 
 // 25 million cells are more than are in memory at a time.
-TEST(SaveGrid, BlocksGiveTheSameGrid) {
+TEST(WriteGrid, BlocksGiveTheSameGrid) {
   const TemporaryFolder folder;
   PointCloud map;
   for (int i = 0; i < 100 * 100; ++i) {
@@ -275,7 +275,7 @@ TEST(SaveGrid, BlocksGiveTheSameGrid) {
     sink({{map.points.begin(), middle}, {}});
     sink({{middle, map.points.end()}, {}});
   });
-  save_grid(halves, {0.01}, folder.path());
+  write_grid(halves, {0.01}, folder.path());
   const std::string pgm = content_of(folder.path() / "grid.pgm");
   const std::string pixels = pgm.substr(pgm.find("255\n") + 4);
   EXPECT_EQ(std::count(pixels.begin(), pixels.end(), '\0'), 100 * 100);
@@ -283,7 +283,7 @@ TEST(SaveGrid, BlocksGiveTheSameGrid) {
 }
 
 // A road of 1600 m, 100 m in each part.
-TEST(SaveGrid, ReadsOnlyThePartsAroundEachBlock) {
+TEST(WriteGrid, ReadsOnlyThePartsAroundEachBlock) {
   const TemporaryFolder folder;
   std::vector<PointCloud> road(16);
   for (std::size_t i = 0; i < 3200; ++i) {
@@ -305,12 +305,12 @@ TEST(SaveGrid, ReadsOnlyThePartsAroundEachBlock) {
                                sink(part);
                              });
                            });
-  save_grid(counted, {}, folder.path());
+  write_grid(counted, {}, folder.path());
   EXPECT_GE(parts_read, 16U) << "all are needed";
   EXPECT_LE(parts_read, 16U + 6U) << "and those beside the three borders twice";
   const std::string by_parts = content_of(folder.path() / "grid.pgm");
   const CloudParts whole([&](const CloudParts::Sink& sink) { stored.for_each(sink); });
-  save_grid(whole, {}, folder.path());
+  write_grid(whole, {}, folder.path());
   EXPECT_EQ(content_of(folder.path() / "grid.pgm"), by_parts);
 }
 

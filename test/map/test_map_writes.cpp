@@ -66,10 +66,10 @@ PointCloud cloud_of(int points) {
 void write_all(const fs::path& directory, int points) {
   const PointCloud cloud = cloud_of(points);
   const TileSource tiles = row_of_tiles(Eigen::Vector3d::Zero(), points / kTiles);
-  save_map(cloud, {}, directory, point_formats());
+  write_point_files(cloud, {}, directory, point_formats());
   write_las(directory / "map.las", tiles, std::nullopt, 200.0F);
-  save_tiles(tiles, kTileSize, directory / "pointcloud_map");
-  save_grid(cloud, {}, directory);
+  write_tiles(tiles, kTileSize, directory / "pointcloud_map");
+  write_grid(cloud, {}, directory);
   write_png(directory / "top_view.png", top_view(cloud, 0.5));
 }
 
@@ -98,13 +98,13 @@ TEST(MapProducts, RejectFloatsFarFromTheOrigin) {
   const TemporaryFolder folder;
   PointCloud far;
   far.points = {{432'000.0F, 5'412'000.0F, 0.0F, 0.0F}};
-  EXPECT_THROW(save_map(far, {}, folder.path(), {}), InputError);
+  EXPECT_THROW(write_point_files(far, {}, folder.path(), {}), InputError);
   for (const std::string& format : point_formats()) {
     EXPECT_THROW(find_format(format)->write_points(folder.path() / "part", far), InputError)
         << format;
   }
   const Eigen::Vector3d corner(432'000.0, 5'412'000.0, 0.0);
-  EXPECT_THROW(save_tiles(row_of_tiles(corner, 10), kTileSize, folder.path() / "tiles"),
+  EXPECT_THROW(write_tiles(row_of_tiles(corner, 10), kTileSize, folder.path() / "tiles"),
                InputError);
   EXPECT_FALSE(fs::exists(folder.path() / "tiles"));
 }
@@ -180,8 +180,8 @@ int write_to_a_full_disk(const fs::path& directory) {
   const TileSource tiles = row_of_tiles(Eigen::Vector3d::Zero(), 25'000);
   std::vector<std::pair<std::string, std::function<void()>>> writes = {
       {"map.las", [&] { write_las(directory / "map.las", tiles, std::nullopt, 200.0F); }},
-      {"0_0.pcd", [&] { save_tiles(tiles, kTileSize, directory / "pointcloud_map"); }},
-      {"grid.pgm", [&] { save_grid(cloud, {0.01}, directory); }}};
+      {"0_0.pcd", [&] { write_tiles(tiles, kTileSize, directory / "pointcloud_map"); }},
+      {"grid.pgm", [&] { write_grid(cloud, {0.01}, directory); }}};
   for (const std::string& format : point_formats()) {
     const std::string name = "map." + format;
     writes.emplace_back(

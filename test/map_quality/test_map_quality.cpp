@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/map_quality/map_quality.hpp"
 
 namespace lidar_mapping::map_quality {
@@ -99,11 +100,11 @@ TEST(PassMisalignments, FindDisplacementToACentimetre) {
 }
 
 TEST(PassMisalignments, FindRotation) {
-  TwoPasses passes(displacement_by(0.0, 0.0, 0.0, 0.2 * M_PI / 180.0));
+  TwoPasses passes(displacement_by(0.0, 0.0, 0.0, 0.2 * kRadPerDeg));
   const auto misalignments = pass_misalignments(passes.poses, passes, {});
   ASSERT_FALSE(misalignments.empty());
   for (const PassMisalignment& misalignment : misalignments)
-    EXPECT_NEAR(misalignment.yaw * 180.0 / M_PI, 0.2, 0.05);
+    EXPECT_NEAR(misalignment.yaw * kDegPerRad, 0.2, 0.05);
 }
 
 TEST(PassMisalignments, DriveWithoutRevisitsHasNone) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/map_quality/map_quality.hpp"
 
 #include "simulated_key_frames.hpp"
@@ -43,7 +44,7 @@ void expect_below_limits(const std::vector<PassMisalignment>& misalignments) {
   for (const PassMisalignment& misalignment : misalignments) {
     EXPECT_LT(std::hypot(misalignment.left, misalignment.up), 0.03) << misalignment.key_frame;
     EXPECT_LT(std::abs(misalignment.forward), 0.1) << misalignment.key_frame;
-    EXPECT_LT(std::abs(misalignment.yaw), 0.1 * M_PI / 180.0) << misalignment.key_frame;
+    EXPECT_LT(std::abs(misalignment.yaw), 0.1 * kRadPerDeg) << misalignment.key_frame;
   }
 }
 

@@ -19,7 +19,7 @@ const GeodeticDatum kDatum{49.0, 8.4, 115.0};
 // The axes of WGS 84 and the radii that follow from them.
 constexpr double kMajorAxis = 6378137.0;       // m
 constexpr double kEccentricity2 = 0.00669438;  // squared
-double sine2() { return std::pow(std::sin(kDatum.latitude_deg * kPi / 180.0), 2); }
+double sine2() { return std::pow(std::sin(kDatum.latitude_deg * kRadPerDeg), 2); }
 double east_west_radius() { return kMajorAxis / std::sqrt(1.0 - kEccentricity2 * sine2()); }
 double north_south_radius() {
   return kMajorAxis * (1.0 - kEccentricity2) / std::pow(1.0 - kEccentricity2 * sine2(), 1.5);
@@ -30,13 +30,13 @@ TEST(EnuBetween, IsTheIdentityForOneDatum) {
 }
 
 TEST(EnuBetween, HasTheOtherDatumWhereItLies) {
-  const double degree = kPi / 180.0;
   const GeodeticDatum north{49.001, 8.4, 115.0};
-  const double to_north = 0.001 * degree * (north_south_radius() + 115.0);
+  const double to_north = 0.001 * kRadPerDeg * (north_south_radius() + 115.0);
   EXPECT_TRUE(
       near(enu_between(kDatum, north).translation.head<2>(), Eigen::Vector2d(0.0, to_north), 0.01));
   const GeodeticDatum east{49.0, 8.401, 115.0};
-  const double to_east = 0.001 * degree * (east_west_radius() + 115.0) * std::cos(49.0 * degree);
+  const double to_east =
+      0.001 * kRadPerDeg * (east_west_radius() + 115.0) * std::cos(49.0 * kRadPerDeg);
   EXPECT_TRUE(
       near(enu_between(kDatum, east).translation.head<2>(), Eigen::Vector2d(to_east, 0.0), 0.01));
   const GeodeticDatum above{49.0, 8.4, 165.0};
@@ -49,7 +49,7 @@ TEST(EnuBetween, TurnsTheVerticalByTheCurvatureOfTheEarth) {
   const GeodeticDatum north{49.1, 8.4, 115.0};
   const Pose T = enu_between(kDatum, north);
   const Eigen::Vector3d up = T.rotation * Eigen::Vector3d::UnitZ();
-  EXPECT_NEAR(std::acos(up.z()), 0.1 * kPi / 180.0, 1e-9);
+  EXPECT_NEAR(std::acos(up.z()), 0.1 * kRadPerDeg, 1e-9);
   EXPECT_GT(up.y(), 0.0) << "it leans to the north";
   const double drop = T.translation.head<2>().squaredNorm() / (2.0 * north_south_radius());
   EXPECT_NEAR(T.translation.z(), -drop, 0.05);

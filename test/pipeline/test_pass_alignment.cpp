@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/map_quality/map_quality.hpp"
 
@@ -236,7 +237,7 @@ TEST(PassAlignment, SizeOfDisplacementIsFound) {
     for (const map_quality::PassMisalignment& misalignment : misalignments) {
       EXPECT_NEAR(misalignment.left, displacement.translation.y(), 0.01) << misalignment.key_frame;
       EXPECT_NEAR(misalignment.up, displacement.translation.z(), 0.01) << misalignment.key_frame;
-      EXPECT_NEAR(misalignment.yaw * 180.0 / M_PI, yaw_deg, 0.05) << misalignment.key_frame;
+      EXPECT_NEAR(misalignment.yaw * kDegPerRad, yaw_deg, 0.05) << misalignment.key_frame;
     }
   };
   Pose displacement;
@@ -246,7 +247,7 @@ TEST(PassAlignment, SizeOfDisplacementIsFound) {
   displacement.translation = Eigen::Vector3d(0.0, 0.0, 0.05);
   expect(displacement, 0.0);
   displacement.translation.setZero();
-  displacement.rotation = exp_so3({0.0, 0.0, 0.2 * M_PI / 180.0});
+  displacement.rotation = exp_so3({0.0, 0.0, 0.2 * kRadPerDeg});
   expect(displacement, 0.2);
 }
 
@@ -257,7 +258,7 @@ TEST(PassAlignment, RemovedParkedCarIsNoDisplacement) {
   for (const map_quality::PassMisalignment& misalignment : misalignments) {
     EXPECT_NEAR(misalignment.left, 0.0, 0.01) << misalignment.key_frame;
     EXPECT_NEAR(misalignment.up, 0.0, 0.01) << misalignment.key_frame;
-    EXPECT_NEAR(misalignment.yaw * 180.0 / M_PI, 0.0, 0.05) << misalignment.key_frame;
+    EXPECT_NEAR(misalignment.yaw * kDegPerRad, 0.0, 0.05) << misalignment.key_frame;
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
@@ -293,7 +294,7 @@ TEST(Deskewing, AgreesWithTheCompensatedScansOfKitti) {
   config.use_distance_filter = false;
   // Motion at the two scans, from the notes of the recording.
   const double speeds[] = {7.5, 4.5};
-  const double yaw_rates[] = {0.0, -14.0 * M_PI / 180.0};
+  const double yaw_rates[] = {0.0, -14.0 * kRadPerDeg};
   const std::size_t raws[] = {0, 37};
   for (std::size_t i = 0; i < 2; ++i) {
     const PointCloud raw = lidar_mapping::test::recorded_scan(raw_folder, raws[i]);

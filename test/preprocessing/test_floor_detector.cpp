@@ -7,14 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 /// What 16 beams at `height` see of a plane through the point below them, and of a wall around.
 Scan scan_of_plane(const Eigen::Vector3d& normal, double height, bool with_wall,
@@ -23,7 +22,7 @@ Scan scan_of_plane(const Eigen::Vector3d& normal, double height, bool with_wall,
   std::normal_distribution<double> noise(0.0, 0.02);
   Scan scan;
   for (int beam = 0; beam < 16; ++beam) {
-    const double elevation = (-15.0 + 2.0 * beam) * kDegree;
+    const double elevation = (-15.0 + 2.0 * beam) * kRadPerDeg;
     for (int step = 0; step < 900; ++step) {
       const double azimuth = 2.0 * M_PI * step / 900;
       const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
@@ -47,7 +46,7 @@ Scan scan_of_road(const std::function<double(double)>& road, std::uint32_t seed)
   std::normal_distribution<double> noise(0.0, 0.02);
   Scan scan;
   for (int beam = 0; beam < 8; ++beam) {
-    const double elevation = (-15.0 + 2.0 * beam) * kDegree;
+    const double elevation = (-15.0 + 2.0 * beam) * kRadPerDeg;
     for (int step = 0; step < 900; ++step) {
       const double azimuth = 2.0 * M_PI * step / 900;
       const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
@@ -78,11 +77,11 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 TEST(FloorDetector, FindsTiltedFloors) {
   for (const double lean : {0.0, 3.0, -4.0}) {
-    const Eigen::Vector3d normal(std::sin(lean * kDegree), 0.0, std::cos(lean * kDegree));
+    const Eigen::Vector3d normal(std::sin(lean * kRadPerDeg), 0.0, std::cos(lean * kRadPerDeg));
     const Scan scan = scan_of_plane(normal, 1.8, true, 7);
     const Floor floor = FloorDetector(config_for(1.8)).process(scan);
     ASSERT_TRUE(floor.found);
-    EXPECT_LT(angle_between(floor.normal, normal), 0.2 * kDegree);
+    EXPECT_LT(angle_between(floor.normal, normal), 0.2 * kRadPerDeg);
     EXPECT_NEAR(floor.offset, 1.8 * normal.z(), 0.02);
     EXPECT_TRUE(floor.covariance.llt().info() == Eigen::Success);
   }
@@ -91,11 +90,11 @@ TEST(FloorDetector, FindsTiltedFloors) {
 /// A sensor that is tilted by 20 degrees, above level ground.
 struct TiltedSensor {
   FloorDetectionConfig config = config_for(1.8);
-  Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
+  Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kRadPerDeg, 0.0));
   Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 8);
 
   TiltedSensor() {
-    config.tilt = 20.0 * kDegree;
+    config.tilt = 20.0 * kRadPerDeg;
     scan.cloud = transformed(scan.cloud, Pose{R_level_base.conjugate(), Eigen::Vector3d::Zero()});
   }
 };
@@ -106,7 +105,7 @@ TEST(FloorDetector, CompensatesTheTiltOfTheSensor) {
   const Floor floor = FloorDetector(tilted.config).process(tilted.scan);
   ASSERT_TRUE(floor.found);
   EXPECT_LT(angle_between(tilted.R_level_base * floor.normal, Eigen::Vector3d::UnitZ()),
-            0.2 * kDegree);
+            0.2 * kRadPerDeg);
 }
 
 TEST(FloorDetector, ReturnsThePointsItSearchedAndFound) {
@@ -138,7 +137,7 @@ TEST(FloorDetector, RejectsWallsAndEmptyScans) {
 }
 
 TEST(FloorDetector, RejectsTooFewPointsAndSteepPlanes) {
-  const Eigen::Vector3d steep(std::sin(15.0 * kDegree), 0.0, std::cos(15.0 * kDegree));
+  const Eigen::Vector3d steep(std::sin(15.0 * kRadPerDeg), 0.0, std::cos(15.0 * kRadPerDeg));
   EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan_of_plane(steep, 1.8, true, 11)).found);
   FloorDetectionConfig many = config_for(1.8);
   many.floor_pts_thresh = 100000;
@@ -154,7 +153,7 @@ TEST(FloorDetector, LeavesOutPlacesThatAreNotLevelIfTold) {
   const auto points_on_bank = [&](bool use_normal_filtering, double degrees) {
     FloorDetectionConfig config;
     config.use_normal_filtering = use_normal_filtering;
-    config.normal_filter_thresh = degrees * kDegree;
+    config.normal_filter_thresh = degrees * kRadPerDeg;
     FloorPoints points;
     FloorDetector(config).process(scan, &points);
     return std::count_if(points.filtered.points.begin(), points.filtered.points.end(),
@@ -172,7 +171,7 @@ TEST(FloorDetector, MeasuresTheHeightOnCrestsAndInDips) {
     const Floor floor = FloorDetector({}).process(scan);
     ASSERT_TRUE(floor.found) << radius;
     EXPECT_NEAR(floor.offset, 0.0, 0.01) << radius;
-    EXPECT_LT(angle_between(floor.normal, {-0.01, 0.0, 1.0}), 0.1 * kDegree) << radius;
+    EXPECT_LT(angle_between(floor.normal, {-0.01, 0.0, 1.0}), 0.1 * kRadPerDeg) << radius;
   }
 }
 
@@ -236,7 +235,7 @@ void expect_street(const std::string& lidar, std::uint64_t seed, std::size_t eve
     const Eigen::Vector3d normal = Eigen::Vector3d(truth.y(), -truth.x(), 1.0).normalized();
     const double lean = angle_between(floor.normal, normal);
     ++all;
-    if (floor.found && lean < 0.5 * kDegree && std::abs(floor.offset + truth.z()) < 0.03) ++good;
+    if (floor.found && lean < 0.5 * kRadPerDeg && std::abs(floor.offset + truth.z()) < 0.03) ++good;
   }
   EXPECT_GE(good, 0.99 * all) << lidar << " " << seed;
 }

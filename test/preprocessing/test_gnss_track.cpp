@@ -59,7 +59,7 @@ class Track : public testing::Test {
   Insertion add(const GnssFix& fix) { return track_.add(fix, "gps").insertion; }
   /// Nothing else will arrive.
   std::vector<std::string> evaluate_all() {
-    return track_.evaluate_pending(sensors_, at(1e4), kLatency, true);
+    return track_.evaluate_pending(sensors_, {at(1e4), kLatency}, Waiting::kEnds);
   }
   /// Adds fixes from `first` to `last` seconds and evaluates them.
   void drive(int first, int last) {
@@ -149,11 +149,11 @@ TEST_F(Track, RefusesUnusableFixesWithTheReason) {
 TEST_F(Track, WaitsForTheMotionForTheTimeOfALateSample) {
   EXPECT_EQ(add(fix_at(1)), Insertion::kInserted);
   EXPECT_EQ(add(fix_at(2)), Insertion::kInserted);
-  EXPECT_TRUE(track_.may_still_deliver(at(2.0), at(2.1), kLatency));
-  EXPECT_FALSE(track_.may_still_deliver(at(2.0), at(2.3), kLatency));
-  track_.evaluate_pending(sensors_, at(2.1), kLatency, false);
+  EXPECT_TRUE(track_.may_still_deliver(at(2.0), {at(2.1), kLatency}));
+  EXPECT_FALSE(track_.may_still_deliver(at(2.0), {at(2.3), kLatency}));
+  track_.evaluate_pending(sensors_, {at(2.1), kLatency}, Waiting::kGoesOn);
   EXPECT_FALSE(track_.at(at(1.5))) << "the second one waits";
-  track_.evaluate_pending(sensors_, at(2.3), kLatency, false);
+  track_.evaluate_pending(sensors_, {at(2.3), kLatency}, Waiting::kGoesOn);
   EXPECT_TRUE(track_.at(at(1.5)));
 }
 

@@ -211,7 +211,7 @@ class Stream : public testing::Test {
     return stream_.insert({at(seconds)}, frame);
   }
   bool may_still_deliver(double until, double now) const {
-    return stream_.may_still_deliver(at(until), at(now), from_seconds(0.2));
+    return stream_.may_still_deliver(at(until), {at(now), from_seconds(0.2)});
   }
   SensorStream<Sample> stream_{"imu", true, 0.1};
 };
@@ -261,7 +261,7 @@ TEST_F(Stream, DoesNotWaitForASensorThatWasGivenUpUntilItDelivers) {
 
 TEST_F(Stream, DoesNotWaitForASensorThatIsSwitchedOff) {
   const SensorStream<Sample> off("imu", false, 0.1);
-  EXPECT_FALSE(off.may_still_deliver(at(5.0), at(5.0), from_seconds(0.2)));
+  EXPECT_FALSE(off.may_still_deliver(at(5.0), {at(5.0), from_seconds(0.2)}));
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "method_test.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr std::array<double, 6> kDistances = {0.0, 0.5, 1.0, 2.0, 5.0, 10.0};  // m
 constexpr std::array<double, 4> kAngles = {0.0, 6.0, 15.0, 30.0};              // deg
 
@@ -39,7 +40,7 @@ TEST_P(Convergence, SucceedsNearbyAndSaysSoElsewhere) {
       const double heading = 0.7 + distance;
       const Pose start = scene.T_target_source * pose_of(distance * std::cos(heading),
                                                          distance * std::sin(heading), 0.0, 0.0,
-                                                         0.0, angle * kDegree);
+                                                         0.0, angle * kRadPerDeg);
       const Outcome outcome =
           outcome_of(registration->align(scene.source, start), scene.T_target_source);
       map += "+.!"[static_cast<int>(outcome)];

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "corner_map.hpp"
 #include "near.hpp"
 
@@ -98,7 +100,7 @@ float steepness_seen_from(float distance, GaussianVoxelMap map) {
 
 // The ring passes over the leaves as the sensor moves on, and so does the height of the points.
 TEST(GaussianVoxelMap, RingsOnLeavesSayNothingAboutTheHeight) {
-  constexpr double kTwoDegrees = 2.0 * M_PI / 180.0;
+  constexpr double kTwoDegrees = 2.0 * kRadPerDeg;
   constexpr float kLeaves = 0.6F;
   constexpr float kWall = 0.0F;
   EXPECT_GT(steepness_seen_from(40.0F, three_rings_in_a_voxel(kLeaves, 0.0)), 0.3F);

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
@@ -107,7 +108,7 @@ TEST(Carriers, SpinDriveTurnsAtFiveRadiansPerSecond) {
 TEST(Carriers, DroneTiltsInFlightAndRestsAtTheBeginning) {
   const std::vector<MotionState> states = states_of(drive_of("drone"));
   const auto tilt = [](const MotionState& state) {
-    return std::acos((state.T_map_base.rotation * Eigen::Vector3d::UnitZ()).z()) * 180.0 / M_PI;
+    return std::acos((state.T_map_base.rotation * Eigen::Vector3d::UnitZ()).z()) * kDegPerRad;
   };
   double largest_tilt = 0.0;
   for (const MotionState& state : states) largest_tilt = std::max(largest_tilt, tilt(state));

@@ -6,12 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 namespace lidar_mapping::simulation {
 namespace {
 
-double degrees(double rad) { return rad * 180.0 / M_PI; }
+double degrees(double rad) { return rad * kDegPerRad; }
 
 TEST(LidarModel, HasTheBeamsOfItsSensor) {
   const LidarModel hdl64 = lidar_model("hdl64");

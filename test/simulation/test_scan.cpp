@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/parallel.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 
@@ -143,7 +144,7 @@ TEST(Scan, BeamsHaveElevationsOfTheModel) {
   const Drive& drive = small_drive();
   const SimulatedScan scan = drive.scan(0);
   for (const Point& p : scan.cloud.points) {
-    const double elevation = std::atan2(p.z, std::hypot(p.x, p.y)) * 180.0 / M_PI;
+    const double elevation = std::atan2(p.z, std::hypot(p.x, p.y)) * kDegPerRad;
     const double beam = std::round((elevation + 15.0) / 2.0) * 2.0 - 15.0;
     ASSERT_NEAR(elevation, beam, 1e-3);
   }

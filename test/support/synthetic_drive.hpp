@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::test {
 
@@ -60,7 +61,6 @@ inline Vector6d noise(std::mt19937& engine, double sigma_m, double sigma_rad) {
 }
 
 inline SyntheticDrive make_drive(const DriveSettings& settings = {}) {
-  constexpr double kRad = M_PI / 180.0;
   std::mt19937 engine(settings.seed);
   SyntheticDrive drive;
   const int count = static_cast<int>(settings.laps * 4.0 * settings.side / settings.spacing);
@@ -70,14 +70,14 @@ inline SyntheticDrive make_drive(const DriveSettings& settings = {}) {
     key_frame.index = static_cast<KeyFrameIndex>(i);
     key_frame.stamp = from_seconds(1000.0 + i * settings.spacing / settings.speed);
     key_frame.motion_covariance =
-        diagonal_covariance(settings.odometry_stddev_m, settings.odometry_stddev_deg * kRad);
+        diagonal_covariance(settings.odometry_stddev_m, settings.odometry_stddev_deg * kRadPerDeg);
     if (i > 0) {
       const std::size_t now = drive.truth.size() - 1;
       Pose motion = drive.truth[now - 1].inverse() * drive.truth[now];
       motion.translation *= 1.0 + settings.scale_error;
-      motion = perturbed(
-          motion, noise(engine, settings.odometry_stddev_m, settings.odometry_stddev_deg * kRad));
-      motion.rotation = motion.rotation * exp_so3({0.0, 0.0, settings.turn_bias_deg * kRad});
+      motion = perturbed(motion, noise(engine, settings.odometry_stddev_m,
+                                       settings.odometry_stddev_deg * kRadPerDeg));
+      motion.rotation = motion.rotation * exp_so3({0.0, 0.0, settings.turn_bias_deg * kRadPerDeg});
       key_frame.T_odom_base = drive.key_frames.back().T_odom_base * motion;
     }
     drive.key_frames.push_back(key_frame);

@@ -18,6 +18,7 @@ enum class FloorConstraint {
 
 /// Parameters of the back end. schema() describes each of them once; the comments here repeat it.
 struct BackEndConfig {
+  // What is used.
   /// Whether GNSS positions are used at all.
   bool use_gnss = true;
   /// With use_gnss: GNSS only moves the whole map to East-North-Up, without bending it.
@@ -25,6 +26,7 @@ struct BackEndConfig {
   /// Whether loops are used.
   bool use_loop_close = true;
 
+  // When a solution is due.
   /// [key frames] Optimise at the latest after so many new key frames.
   int optimize_step_with_key_frame = 100;
   /// [positions] Optimise at the latest after so many new GNSS positions.
@@ -34,6 +36,7 @@ struct BackEndConfig {
   /// [s] Least time between optimisations, by the key frames' stamps.
   double optimize_min_interval = 1.0;
 
+  // Odometry.
   /// [fraction of the distance] Upper limit of the standard deviation that drift adds to a motion's
   /// translation. Where positions show less drift, this and the next three are reduced, but not
   /// below a tenth.
@@ -47,11 +50,14 @@ struct BackEndConfig {
   /// [fraction of the distance] Standard deviation added along directions that matching could not
   /// observe.
   double odometry_degenerate_drift = 0.2;
+
+  // Loops.
   /// [m] Added to the covariance of every loop.
   double loop_min_stddev_m = 0.02;
   /// [rad] Added to the covariance of every loop.
   double loop_min_stddev_rad = 0.1 * kRadPerDeg;
 
+  // The first key frame.
   /// Give the first key frame a prior with fix_first_node_stddev, instead of one that depends on
   /// the other constraints.
   bool fix_first_node = false;
@@ -59,6 +65,7 @@ struct BackEndConfig {
   /// axes of base_link.
   std::vector<double> fix_first_node_stddev = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 
+  // Other weights of motions and loops, as in hdl_graph_slam.
   /// Weight all motions and loops by const_stddev_x and const_stddev_q instead of their
   /// covariances.
   bool use_const_inf_matrix = false;
@@ -81,6 +88,7 @@ struct BackEndConfig {
   /// [m^2] Fitness at which the variances reach their maxima.
   double inf_matrix_max_fitness = 0.5;
 
+  // GNSS.
   /// [m] Least horizontal standard deviation of a GNSS position.
   double gnss_min_stddev_m = 0.05;
   /// [m] Least standard deviation of a GNSS altitude.
@@ -98,6 +106,7 @@ struct BackEndConfig {
   /// Correct GNSS stamps that are late or early relative to odometry.
   bool estimate_gnss_time_offset = true;
 
+  // IMU.
   /// Whether the tilt of the IMU's orientation keeps the map level.
   bool enable_imu_orientation = true;
   /// Whether headings that come with GNSS positions are used; only for an IMU with a true heading.
@@ -113,6 +122,7 @@ struct BackEndConfig {
   /// [rad] Standard deviation of the vertical by acceleration at one key frame; motion adds to it.
   double imu_acceleration_stddev = 5.0 * kRadPerDeg;
 
+  // Floors.
   /// Floors of successive key frames as one plane each (safe on slopes), or all floors as a single
   /// plane (flat halls).
   FloorConstraint floor_constraint = FloorConstraint::kNone;
@@ -121,6 +131,9 @@ struct BackEndConfig {
   /// [m] How much the height of the floor differs from the plane, added to its covariance.
   double floor_stddev_m = 0.02;
 
+  // A new factor has its switch and its standard deviations here, and its kernel below.
+
+  // Robust kernels of all factors.
   /// Kernel of odometry constraints.
   pose_graph::RobustKernel odometry_robust_kernel = pose_graph::RobustKernel::kNone;
   /// Kernel of the loops that are used.

@@ -41,9 +41,10 @@ struct ConcurrentTask {
 /// all. Throws InputError for another format or an empty map, and FileError if the disk fails or if
 /// the folder holds one of the files without a map.yaml beside it, so that it does not come from
 /// this package; in these cases `concurrent_task` has not started.
-Files save_map(const CloudParts& map, const MapDescription& description,
-               const std::filesystem::path& directory, const std::vector<std::string>& formats,
-               const ConcurrentTask& concurrent_task = {});
+Files write_point_files(const CloudParts& map, const MapDescription& description,
+                        const std::filesystem::path& directory,
+                        const std::vector<std::string>& formats,
+                        const ConcurrentTask& concurrent_task = {});
 
 /// Throws InputError if a point lies more than 100 km from the origin, where the floats of the
 /// files would be off by centimetres.

@@ -18,9 +18,10 @@ namespace lidar_mapping::map {
 
 /// Names that ProductOptions::formats may hold, in upper or lower case.
 const std::vector<std::string>& product_formats();
-/// Throws InputError for a format that is not known, and for one that cannot be written here
-/// because an optional package is missing; the error names the remedy.
-void check_formats(const std::vector<std::string>& formats);
+/// Throws InputError for a format that is not known, for one that cannot be written here because an
+/// optional package is missing, and for one that these parameters do not fit, as a grid with cells
+/// smaller than the voxels; the error names the remedy.
+void check_formats(const std::vector<std::string>& formats, const MapConfig& config);
 /// Why a known format cannot be written here, with the remedy; empty if it can.
 std::string obstacle_to(const std::string& format);
 /// The same names in one line with explanations: "pcd, ply, png (view from above), ...".
@@ -73,8 +74,7 @@ struct Products {
 
 /// Builds the map of these poses tile by tile and writes it into the folder (map_files.hpp,
 /// map_products.hpp, top_view.hpp). Throws FileError, and InputError for a format that
-/// check_formats() refuses, a map (or box) without points, UTM without a datum, or cells of the
-/// grid that are smaller than the voxels.
+/// check_formats() refuses, a map (or box) without points, or UTM without a datum.
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                         const ProductOptions& options, const std::filesystem::path& directory);
 

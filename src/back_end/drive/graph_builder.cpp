@@ -71,7 +71,7 @@ void GraphBuilder::attach_pending(Stamp stamp, PendingMeasurements<Value>& pendi
 }
 
 void GraphBuilder::attach(const GnssPosition& position, int node, DriveGraph& drive) {
-  if (insert_by_node(DriveGnss{position, node, false, false, false}, drive.gnss)) ++new_data.gnss;
+  if (insert_by_node(DriveGnss{position, node}, drive.gnss)) ++new_data_.gnss;
 }
 void GraphBuilder::attach(const ImuSample& sample, int node, DriveGraph& drive) {
   insert_by_node(DriveImu{sample, node}, drive.imu);
@@ -80,40 +80,46 @@ void GraphBuilder::attach(const Floor& floor, int node, DriveGraph& drive) {
   insert_by_node(DriveFloor{floor, node}, drive.floors);
 }
 
+void GraphBuilder::add_step(const KeyFrame& key_frame, const DriveNode& previous, DriveNode& node) {
+  const Pose motion = previous.T_odom_base.inverse() * node.T_odom_base;
+  distance_in_segment_ += motion.translation.norm();
+  node.connected = true;
+  node.doubtful = key_frame.doubtful;
+  node.step_covariance = step_covariance(key_frame.motion_covariance, motion, distance_in_segment_,
+                                         key_frame.degenerate_directions, config_);
+}
+
+void GraphBuilder::begin_segment(DriveGraph& drive) {
+  distance_in_segment_ = 0.0;
+  drive.segment_starts.push_back(static_cast<int>(drive.nodes.size()));
+  drive.in_enu.push_back(false);
+  GnssDelay delay;
+  if (!config_.estimate_gnss_time_offset) delay.sigma = 0.0;
+  drive.gnss_delays.push_back(delay);
+}
+
 void GraphBuilder::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   check_key_frame(key_frame, drive);
-  const int position = static_cast<int>(drive.nodes.size());
   DriveNode node;
   node.index = key_frame.index;
   node.stamp = key_frame.stamp;
   node.T_odom_base = key_frame.T_odom_base;
-  node.T_map_base =
-      drive.nodes.empty() ? key_frame.T_odom_base : drive.T_map_odom() * key_frame.T_odom_base;
-  if (drive.nodes.empty()) drive.T_map_first = node.T_map_base;
-  node.connected = !drive.nodes.empty() && key_frame.segment == newest_segment_;
-  if (!node.connected) distance_in_segment_ = 0.0;
-  if (node.connected) {
-    const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
-    distance_in_segment_ += motion.translation.norm();
-    node.doubtful = key_frame.doubtful;
-    node.step_covariance =
-        step_covariance(key_frame.motion_covariance, motion, distance_in_segment_,
-                        key_frame.degenerate_directions, config_);
-  }
-  if (!node.connected) {
-    drive.segment_starts.push_back(position);
-    drive.in_enu.push_back(false);
-    drive.gnss_delays.push_back(config_.estimate_gnss_time_offset ? GnssDelay{}
-                                                                  : GnssDelay{0.0, 0.0});
+  const bool is_first = drive.nodes.empty();
+  node.T_map_base = is_first ? key_frame.T_odom_base : drive.T_map_odom() * key_frame.T_odom_base;
+  if (is_first) drive.T_map_first = node.T_map_base;
+  if (!is_first && key_frame.segment == newest_segment_) {
+    add_step(key_frame, drive.nodes.back(), node);
+  } else {
+    begin_segment(drive);
   }
   node.segment = static_cast<int>(drive.segment_starts.size()) - 1;
   newest_segment_ = key_frame.segment;
+  at_stamp_[node.stamp] = static_cast<int>(drive.nodes.size());
   drive.nodes.push_back(node);
-  at_stamp_[node.stamp] = position;
   attach_pending(node.stamp, pending_gnss_, drive);
   attach_pending(node.stamp, pending_imu_, drive);
   attach_pending(node.stamp, pending_floors_, drive);
-  ++new_data.key_frames;
+  ++new_data_.key_frames;
 }
 
 bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
@@ -121,9 +127,9 @@ bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
   const std::optional<int> to = position_of(loop.to, drive);
   if (!from || !to || *from == *to) return false;
   if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
-  const bool evaluated = loop.decision == LoopDecision::kRefuse;
-  drive.loops.push_back({loop, *from, *to, false, evaluated});
-  ++new_data.loops;
+  DriveLoop& added = drive.loops.emplace_back(DriveLoop{loop, *from, *to});
+  added.evaluated = loop.decision == LoopDecision::kRefuse;
+  ++new_data_.loops;
   return true;
 }
 

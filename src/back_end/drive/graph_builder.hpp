@@ -51,7 +51,9 @@ class GraphBuilder {
   void add_imu(const ImuSample& sample, DriveGraph& drive);
   void add_floor(const Floor& floor, DriveGraph& drive);
 
-  NewDataCounts new_data;
+  const NewDataCounts& new_data() const { return new_data_; }
+  /// After a solution: what arrived while it was computed, or was not part of it.
+  void set_new_data(const NewDataCounts& counts) { new_data_ = counts; }
 
  private:
   template <typename Value>
@@ -62,7 +64,12 @@ class GraphBuilder {
   void attach(const ImuSample& sample, int node, DriveGraph& drive);
   void attach(const Floor& floor, int node, DriveGraph& drive);
 
+  /// Adds what a node needs whose motion from the previous one is known.
+  void add_step(const KeyFrame& key_frame, const DriveNode& previous, DriveNode& node);
+  void begin_segment(DriveGraph& drive);
+
   BackEndConfig config_;
+  NewDataCounts new_data_;
   std::map<Stamp, int> at_stamp_;
   PendingMeasurements<GnssPosition> pending_gnss_;
   PendingMeasurements<ImuSample> pending_imu_;

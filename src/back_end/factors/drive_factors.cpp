@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "factors/drive_factors.hpp"
 
+#include <utility>
+
 #include "factors/floor_factors.hpp"
 #include "factors/weak_prior.hpp"
 #include "gnss/gnss_factors.hpp"
@@ -64,11 +66,12 @@ void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFac
     const int to = static_cast<int>(i);
     const Matrix6d information =
         pose_graph::g2o_information(motion_covariance_to(drive, i, config));
-    const bool doubtful = drive.nodes[i].doubtful;
-    factors.motion_of[i] = factors.graph.add(
-        {pose_graph::relative_pose_residual(motion_to(drive, i), information), to - 1, to, false,
-         doubtful ? kDoubtfulKernel : config.odometry_robust_kernel,
-         doubtful ? kDoubtfulKernelSize : config.robust_kernel_size, doubtful});
+    pose_graph::Constraint motion{
+        pose_graph::relative_pose_residual(motion_to(drive, i), information), to - 1, to};
+    motion.doubtful = drive.nodes[i].doubtful;
+    motion.kernel = motion.doubtful ? kDoubtfulKernel : config.odometry_robust_kernel;
+    motion.kernel_size = motion.doubtful ? kDoubtfulKernelSize : config.robust_kernel_size;
+    factors.motion_of[i] = factors.graph.add(std::move(motion));
   }
 }
 
@@ -76,21 +79,25 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     const DriveLoop& loop = drive.loops[i];
     if (loop.loop.decision == LoopDecision::kRefuse) continue;
-    // A loop that a person accepted has no kernel and is never refused, like odometry.
-    const bool is_switchable = loop.loop.decision == LoopDecision::kAuto;
     const Matrix6d information = pose_graph::g2o_information(loop_covariance(loop.loop, config));
-    factors.loop_of[i] = factors.graph.add(
-        {pose_graph::relative_pose_residual(loop.loop.T_from_to, information), loop.from, loop.to,
-         is_switchable, is_switchable ? config.loop_robust_kernel : pose_graph::RobustKernel::kNone,
-         config.robust_kernel_size});
+    pose_graph::Constraint constraint{
+        pose_graph::relative_pose_residual(loop.loop.T_from_to, information), loop.from, loop.to};
+    // A loop that a person accepted has no kernel and is never refused, like odometry.
+    constraint.switchable = loop.loop.decision == LoopDecision::kAuto;
+    if (constraint.switchable) constraint.kernel = config.loop_robust_kernel;
+    constraint.kernel_size = config.robust_kernel_size;
+    factors.loop_of[i] = factors.graph.add(std::move(constraint));
   }
 }
 
 void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
                    pose_graph::FactorGraph& graph) {
   for (const Vertical& vertical : verticals(drive, config)) {
-    graph.add({pose_graph::tilt_residual(vertical.up_base, vertical.stddev), vertical.node,
-               pose_graph::kNoNode, false, config.imu_robust_kernel, config.robust_kernel_size});
+    pose_graph::Constraint tilt{pose_graph::tilt_residual(vertical.up_base, vertical.stddev),
+                                vertical.node};
+    tilt.kernel = config.imu_robust_kernel;
+    tilt.kernel_size = config.robust_kernel_size;
+    graph.add(std::move(tilt));
   }
 }
 

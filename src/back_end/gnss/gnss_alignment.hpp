@@ -17,9 +17,10 @@ struct AlignmentSample {
   double stddev_altitude = 1.0;    ///< of the measured altitude, m
 };
 
+/// When a trajectory is aligned. The parameters of the back end say so; there are no defaults.
 struct AlignmentLimits {
-  double min_extent = 20.0;          ///< least extent of the track, m
-  double max_heading_stddev = 0.02;  ///< largest standard deviation of the heading, rad
+  double min_extent;          ///< least extent of the track, m
+  double max_heading_stddev;  ///< largest standard deviation of the heading, rad
 };
 
 /// The result of an alignment to East-North-Up.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "gnss/gnss_delay.hpp"
 #include "gnss/gnss_weights.hpp"
@@ -10,8 +11,6 @@
 namespace lidar_mapping::back_end {
 
 namespace {
-
-using pose_graph::kNoNode;
 
 /// Factor by which the covariance of each position grows because neighbouring positions have common
 /// errors.
@@ -41,17 +40,20 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
     const DriveGnss& gnss = drive.gnss[i];
     if (!in_enu[drive.segment_of(gnss.node)]) continue;
     const GnssPosition p = delay_corrected_position(drive, gnss);
-    factors.horizontal_of[i] = factors.graph.add(
-        {pose_graph::antenna_horizontal_residual(
-             p.p_enu_antenna, p.p_base_antenna,
-             covariance_factor[i] * horizontal_covariance(p, config)),
-         gnss.node, kNoNode, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    const auto add_switchable = [&](pose_graph::CostPtr residual) {
+      pose_graph::Constraint constraint{std::move(residual), gnss.node};
+      constraint.switchable = true;
+      constraint.kernel = config.gnss_robust_kernel;
+      constraint.kernel_size = config.robust_kernel_size;
+      return factors.graph.add(std::move(constraint));
+    };
+    factors.horizontal_of[i] = add_switchable(pose_graph::antenna_horizontal_residual(
+        p.p_enu_antenna, p.p_base_antenna,
+        covariance_factor[i] * horizontal_covariance(p, config)));
     if (!has_altitude(p)) continue;
-    factors.altitude_of[i] = factors.graph.add(
-        {pose_graph::antenna_altitude_residual(
-             p.p_enu_antenna.z(), p.p_base_antenna,
-             std::sqrt(covariance_factor[i]) * altitude_stddev(p, config)),
-         gnss.node, kNoNode, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.altitude_of[i] = add_switchable(pose_graph::antenna_altitude_residual(
+        p.p_enu_antenna.z(), p.p_base_antenna,
+        std::sqrt(covariance_factor[i]) * altitude_stddev(p, config)));
   }
 }
 
@@ -61,9 +63,12 @@ void add_headings(const DriveGraph& drive, const BackEndConfig& config,
   for (const DriveGnss& gnss : drive.gnss) {
     if (!gnss.position.R_enu_base) continue;
     if (!in_enu[drive.segment_of(gnss.node)]) continue;
-    graph.add(
-        {pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base), config.imu_heading_stddev),
-         gnss.node, kNoNode, false, config.imu_robust_kernel, config.robust_kernel_size});
+    pose_graph::Constraint heading{
+        pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base), config.imu_heading_stddev),
+        gnss.node};
+    heading.kernel = config.imu_robust_kernel;
+    heading.kernel_size = config.robust_kernel_size;
+    graph.add(std::move(heading));
   }
 }
 

@@ -33,13 +33,15 @@ struct Half {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// The pose that one half of the points prefers, as a step from the match, and its covariance.
-Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
+/// The pose that the points of the selected parts prefer, as a step from the match, and its
+/// covariance.
+template <typename IsSelected>
+Half half_of(const std::vector<NdtPart>& parts, const IsSelected& is_selected,
              const Matrix6d& prior) {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   for (std::size_t part = 0; part < parts.size(); ++part) {
-    if (in_first(part) != first) continue;
+    if (!is_selected(part)) continue;
     hessian += parts[part].hessian;
     gradient += parts[part].gradient;
   }
@@ -104,8 +106,9 @@ StepEvidence evidence_of(const NdtMatch& match, const registration::MotionBelief
   evidence.surprise_sigmas = innovation.sigmas();
   if (match.parts.size() != kNdtParts) return evidence;
   const Matrix6d prior = innovation.covariance.inverse();
-  for (const Halving halving : kHalvings) {
-    compare(half_of(match.parts, halving, true, prior), half_of(match.parts, halving, false, prior),
+  for (const Halving in_first : kHalvings) {
+    const auto in_second = [&](std::size_t part) { return !in_first(part); };
+    compare(half_of(match.parts, in_first, prior), half_of(match.parts, in_second, prior),
             evidence);
   }
   evidence.sectors = effective_sectors(match.parts);

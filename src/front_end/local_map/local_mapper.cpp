@@ -10,8 +10,9 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// A scan is inserted after this motion.
-const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
+// A scan is inserted after one of these motions.
+constexpr double kInsertionDistance = 2.0;  // m; chosen
+constexpr double kInsertionAngle = 0.1;     // rad; chosen
 /// Scans with fewer points are inserted after a motion that is shorter in proportion, so that the
 /// voxels on the way get as many points. Measured on nine drives of 500 points per scan: at 1000
 /// three drives drift by more than 1 %, at 4000 and 8000 none by more than 0.5 %. The scans of a
@@ -93,9 +94,12 @@ void LocalMapper::interrupt() {
 }
 
 bool LocalMapper::is_due(const TrackerState& state) const {
+  KeyFrameRule rule;
+  rule.distance = kInsertionDistance;
+  rule.angle = kInsertionAngle;
   return state.coverage.inserted_scans < kInitialScans ||
-         kInsertionRule.scaled(state.map.scan_density())
-             .reached(last_insertion_.inverse() * state.filter.state().T_map_sensor, 0);
+         rule.scaled(state.map.scan_density())
+             .motion_reached(last_insertion_.inverse() * state.filter.state().T_map_sensor);
 }
 
 const SampledPoints& LocalMapper::insert(const Scan& scan, SweepSampler& sweep, TrackerState& state,

@@ -114,7 +114,7 @@ SweepMatcher::Found SweepMatcher::match_observed_directions(const NdtMatch& matc
                                                             const NdtPoints& points, LocalMap& map,
                                                             const MotionBelief& for_unobserved) {
   const std::vector<Eigen::Vector3d> degenerate = degenerate_directions(match.pose_hessian);
-  if (degenerate.empty()) return {match, {}, false};
+  if (degenerate.empty()) return {match, {}};
   return match_without(points, map, for_unobserved, match.state, degenerate);
 }
 
@@ -124,7 +124,7 @@ SweepMatcher::Found SweepMatcher::match_without(const NdtPoints& points, LocalMa
   NdtOptions options = fine_options();
   options.blind_directions = directions;
   const NdtMatch fine = matcher_.match(points, map.fine(), prior, start, options);
-  return {coarse_if_sparse(fine, points, map, prior, directions), directions, false};
+  return {coarse_if_sparse(fine, points, map, prior, directions), directions};
 }
 
 NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,

@@ -23,14 +23,19 @@ void WindowMatcher::insert(const Pose& T_odom_base, PointCloud cloud) {
 WindowMatcher::Match WindowMatcher::match(const PointCloud& scan, const Pose& T_odom_base_start) {
   RegistrationResult result = registration_->align(scan, T_odom_map_.inverse() * T_odom_base_start);
   result.T_target_source = T_odom_map_ * result.T_target_source;
-  return {result, false};
+  Match match;
+  match.result = std::move(result);
+  return match;
 }
 
 WindowMatcher::Match WindowMatcher::best_of(Match best, const PointCloud& scan,
                                             const std::vector<Pose>& starts) {
   for (const Pose& start : starts) {
-    const RegistrationResult result = match(scan, start).result;
-    if (result.inlier_fraction > best.result.inlier_fraction) best = {result, true};
+    Match other = match(scan, start);
+    if (other.result.inlier_fraction > best.result.inlier_fraction) {
+      best = std::move(other);
+      best.rescued = true;
+    }
   }
   return best;
 }

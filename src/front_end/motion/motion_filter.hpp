@@ -27,7 +27,7 @@ MotionState steadily_accelerated(const MotionState& state, const Vector6d& accel
 /// The constant twist that leads from a to b in `seconds`; inverse of moved().
 Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 
-/// Covariance of that pose, for a covariance of the pose and the twist now.
+/// Covariance of the pose that moved() gives, for a covariance of the pose and the twist now.
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
 
 /// The measured rotation of the sensor, rad/s in its own axes.
@@ -37,10 +37,10 @@ struct MeasuredTurning {
   double sigma = 0.0;       ///< standard deviation of both, per axis
 };
 
-/// The last match but one.
+/// A match, seen from a later one or from the present state.
 struct PreviousMatch {
   MotionState state;
-  double seconds_before = 0.0;  ///< the last match
+  double seconds_before = 0.0;  ///< s from the match until then
 };
 
 /// Two successive sweeps, each with the pose and the twist at its middle as they were matched.
@@ -102,7 +102,8 @@ class MotionFilter {
   /// Change of the twist per second before the last matched state; zero if nothing was matched
   /// since the last prediction.
   const Vector6d& acceleration() const { return acceleration_; }
-  /// Empty if nothing was matched since the last prediction, or only once since the start.
+  /// The last match but one, with the time from it to the last one. Empty if nothing was matched
+  /// since the last prediction, or only once since the start.
   const std::optional<PreviousMatch>& previous_match() const { return previous_match_; }
   /// The last match, with the time from it to the state. Empty if there was none since the start.
   std::optional<PreviousMatch> last_match() const;

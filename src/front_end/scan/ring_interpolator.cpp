@@ -83,26 +83,26 @@ RingInterpolator::Column RingInterpolator::column(std::size_t number) {
   });
   RingPoint* kept = begin;
   float last = -std::numeric_limits<float>::infinity();
-  for (const RingPoint* s = begin; s != end; ++s) {
-    const float slope = s->slope;
-    if (slope - last > kSameRingSlope) *kept++ = *s;
+  for (const RingPoint* point = begin; point != end; ++point) {
+    const float slope = point->slope;
+    if (slope - last > kSameRingSlope) *kept++ = *point;
     last = slope;
   }
   return {begin, kept};
 }
 
-bool RingInterpolator::is_straight(const Column& column, const RingPoint* s) {
-  return s > column.begin && s + 1 < column.end &&
-         distance_to_line(s->p, (s - 1)->p, (s + 1)->p) < kMaxLineDistance;
+bool RingInterpolator::is_straight(const Column& column, const RingPoint* point) {
+  return point > column.begin && point + 1 < column.end &&
+         distance_to_line(point->p, (point - 1)->p, (point + 1)->p) < kMaxLineDistance;
 }
 
-bool RingInterpolator::has_surface(const Column& column, const RingPoint* s,
+bool RingInterpolator::has_surface(const Column& column, const RingPoint* point,
                                    RingSurfaces surfaces) {
-  const bool begins = is_straight(column, s);
-  const bool ends = is_straight(column, s + 1);
+  const bool begins = is_straight(column, point);
+  const bool ends = is_straight(column, point + 1);
   if (surfaces == RingSurfaces::kAll) return begins || ends;
-  const Eigen::Vector3f d = (s + 1)->p - s->p;
-  return begins && ends && s->p.z() < 0.0F && (s + 1)->p.z() < 0.0F &&
+  const Eigen::Vector3f d = (point + 1)->p - point->p;
+  return begins && ends && point->p.z() < 0.0F && (point + 1)->p.z() < 0.0F &&
          std::abs(d.z()) < kMaxGroundSlope * d.head<2>().norm();
 }
 
@@ -110,13 +110,13 @@ void RingInterpolator::interpolate_column(const Column& column, std::size_t numb
                                           const RingInterpolationOptions& options,
                                           SampledPoints& points) {
   const auto spacing = static_cast<float>(options.spacing);
-  for (const RingPoint* s = column.begin; s + 1 < column.end; ++s) {
-    const RingPoint& a = *s;
-    const RingPoint& b = *(s + 1);
+  for (const RingPoint* point = column.begin; point + 1 < column.end; ++point) {
+    const RingPoint& a = *point;
+    const RingPoint& b = *(point + 1);
     const Eigen::Vector3f segment = b.p - a.p;
     const float gap = segment.norm();
     if (gap < spacing || gap > kMaxGap) continue;
-    if (!has_surface(column, s, options.surfaces)) continue;
+    if (!has_surface(column, point, options.surfaces)) continue;
     // Near the sensor the columns are close together, so not all of them are needed.
     const float column_width = 0.5F * (a.p + b.p).norm() * static_cast<float>(2.0 * kPi / kColumns);
     if (number % std::max<std::size_t>(1, static_cast<std::size_t>(spacing / column_width)) != 0)

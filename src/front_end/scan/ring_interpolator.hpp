@@ -54,9 +54,9 @@ class RingInterpolator {
   void sort_by_columns();
   Column column(std::size_t number);
   /// True if a point lies on the line through its neighbours on the rings above and below.
-  static bool is_straight(const Column& column, const RingPoint* s);
+  static bool is_straight(const Column& column, const RingPoint* point);
   /// True if a surface is assumed between this point and the next one of its column.
-  static bool has_surface(const Column& column, const RingPoint* s, RingSurfaces surfaces);
+  static bool has_surface(const Column& column, const RingPoint* point, RingSurfaces surfaces);
   /// Adds the interpolated points of the column with this number, relative to the sensor.
   static void interpolate_column(const Column& column, std::size_t number,
                                  const RingInterpolationOptions& options, SampledPoints& points);

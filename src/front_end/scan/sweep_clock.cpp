@@ -127,14 +127,16 @@ void SweepClock::find_period() {
   // First test whether a sweep is a full turn. Only a few sweeps are used, because the duration may
   // differ from the period by a few columns.
   std::deque<Sweep> latest(window_.end() - kMinSweeps, window_.end());
-  double sweep = 0.0;
-  for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kMinSweeps);
-  if (has_durations && phase_power(latest, sweep) > kMinPhasePower) {
+  double mean_duration = 0.0;
+  for (const Sweep& sweep : latest) {
+    mean_duration += sweep.duration / static_cast<double>(kMinSweeps);
+  }
+  if (has_durations && phase_power(latest, mean_duration) > kMinPhasePower) {
     window_ = std::move(latest);
-    return count_turns(sweep);
+    return count_turns(mean_duration);
   }
   if (!has_durations) return search_period(kMinMedianFactor * median_step_, median_step_);
-  if (window_.size() == kWindow) search_period(kMinPeriodFactor * sweep, sweep);
+  if (window_.size() == kWindow) search_period(kMinPeriodFactor * mean_duration, mean_duration);
 }
 
 void SweepClock::search_period(double min_period, double typical_period) {
@@ -154,7 +156,7 @@ void SweepClock::search_period(double min_period, double typical_period) {
 
 std::complex<double> SweepClock::phase_sum(const std::deque<Sweep>& sweeps, double period) {
   std::complex<double> sum;
-  for (const Sweep& s : sweeps) sum += std::polar(1.0, phase_angle(s.middle, period));
+  for (const Sweep& sweep : sweeps) sum += std::polar(1.0, phase_angle(sweep.middle, period));
   return sum;
 }
 
@@ -167,7 +169,7 @@ double SweepClock::phase_power(const std::deque<Sweep>& sweeps, double period) {
 /// from the middle of that turn belongs to the turn before it or after it.
 void SweepClock::count_turns(double period) {
   const double begin = std::arg(phase_sum(window_, period)) / (2.0 * kPi) * period;
-  for (Sweep& s : window_) s.turn = std::round((s.middle - begin) / period);
+  for (Sweep& sweep : window_) sweep.turn = std::round((sweep.middle - begin) / period);
   for (std::size_t i = 1; i < window_.size(); ++i) {
     Sweep& before = window_[i - 1];
     Sweep& sweep = window_[i];

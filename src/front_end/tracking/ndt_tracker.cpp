@@ -110,8 +110,11 @@ StepMatch NdtTracker::match_from_vertical_structure(const MotionFilter& recovere
   mapper_.reset_views();
   judge_.reset_usual_quality();
   const MotionBelief prior = recovered.belief();
-  return {matcher_.match_without(sweep_.points(), state_.map, prior, prior.state, kLevelDirections),
-          prior, true};
+  StepMatch match{
+      matcher_.match_without(sweep_.points(), state_.map, prior, prior.state, kLevelDirections),
+      prior};
+  match.is_recovered = true;
+  return match;
 }
 
 void NdtTracker::update(const Step& step, const PredictedMotion& predicted, const StepMatch& match,

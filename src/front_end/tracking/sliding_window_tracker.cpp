@@ -229,7 +229,7 @@ bool SlidingWindowTracker::key_frame_due(const TrackedScan& tracked) const {
       tracked.status.state == TrackingState::kDegraded) {
     return false;
   }
-  return rule_.reached(matcher_.newest_pose().inverse() * tracked.T_odom_base, 0);
+  return rule_.motion_reached(matcher_.newest_pose().inverse() * tracked.T_odom_base);
 }
 
 void SlidingWindowTracker::insert_key_frame(PointCloud cloud) {

@@ -56,10 +56,11 @@ std::vector<double> durations_for(double interval) {
   return {interval};
 }
 
+constexpr bool kClockwise = true, kCounterclockwise = false;  // by definition of SensorRotation
 /// Sweeps begin ahead or behind. Facts of the sensors: Velodyne's driver begins at the azimuth 0,
 /// KITTI's files at 180 degrees, both clockwise; Ouster's begins behind, Hesai's ahead.
 constexpr std::array<SensorRotation, 4> kRotations = {
-    {{true, 0.0}, {true, kPi}, {false, 0.0}, {false, kPi}}};
+    {{kClockwise, 0.0}, {kClockwise, kPi}, {kCounterclockwise, 0.0}, {kCounterclockwise, kPi}}};
 
 /// Rules for points without times, which may be stored firing by firing or in any other order.
 std::vector<SweepTimesRule> rules_without_times(const PointCloud& cloud, double duration) {

@@ -16,11 +16,14 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
+/// A stage of the alignment.
 struct Level {
-  float pair_distance;  // m
-  std::size_t points;
-  int iterations;
+  float pair_distance;  ///< m, from a point to its partner at most
+  std::size_t points;   ///< of the source
+  int iterations;       ///< at most
 };
+/// From coarse to fine. Chosen: the first reaches farther than a starting pose is off, each of the
+/// others half as far as the one before; the last has the most points, for its precision.
 constexpr std::array<Level, 4> kLevels = {
     {{5.0F, 1000, 15}, {2.5F, 1000, 12}, {1.2F, 2000, 10}, {0.6F, 3000, 10}}};
 

@@ -106,7 +106,8 @@ void write_compressed_pcd(const fs::path& path, const CloudParts& map, std::size
 }
 
 /// Writes a header, followed by the points as they are in memory.
-void write_points(const fs::path& path, const std::string& header, const CloudParts& map) {
+void write_header_and_points(const fs::path& path, const std::string& header,
+                             const CloudParts& map) {
   static_assert(sizeof(Point) == 16);
   write_stream_atomically(path, [&](std::ostream& file) {
     file << header;
@@ -144,8 +145,9 @@ void check_own_file(const fs::path& file, const fs::path& description) {
 
 }  // namespace
 
-Files save_map(const CloudParts& map, const MapDescription& description, const fs::path& directory,
-               const std::vector<std::string>& formats, const ConcurrentTask& concurrent_task) {
+Files write_point_files(const CloudParts& map, const MapDescription& description,
+                        const fs::path& directory, const std::vector<std::string>& formats,
+                        const ConcurrentTask& concurrent_task) {
   const std::vector<std::string> selected_formats =
       formats.empty() ? std::vector<std::string>{"pcd", "ply"} : formats;
   const fs::path description_file = directory / (description.name + ".yaml");
@@ -193,16 +195,16 @@ void write_pcd(const fs::path& path, const CloudParts& map) {
     write_compressed_pcd(path, map, points);
     return;
   }
-  write_points(path, pcd_header(points), map);
+  write_header_and_points(path, pcd_header(points), map);
 }
 
 void write_ply(const fs::path& path, const CloudParts& map) {
-  write_points(path,
-               "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                   std::to_string(extent_of(map).points) +
-                   "\nproperty float x\nproperty float y\nproperty float z\n"
-                   "property float intensity\nend_header\n",
-               map);
+  write_header_and_points(path,
+                          "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                              std::to_string(extent_of(map).points) +
+                              "\nproperty float x\nproperty float y\nproperty float z\n"
+                              "property float intensity\nend_header\n",
+                          map);
 }
 
 PointCloud in_map_frame(const MapTile& tile) {

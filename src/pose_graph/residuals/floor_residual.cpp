@@ -9,6 +9,12 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
+// Symbols, as in doc/back_end.md. The blocks are the poses of the nodes i (first) and j in the map.
+//   R_i         rotation of i
+//   t_b, R_b    pose of j in i, by the blocks (t_ij, R_ij there)
+//   normal      that of the first floor, in j
+//   S_          whitens the error: S^T S is the inverse covariance
+
 /// The plane of the first floor, transformed to the second node, compared with the floor measured
 /// there: two angles and the height.
 class CommonFloor : public ceres::SizedCostFunction<3, kPoseBlockSize, kPoseBlockSize> {

@@ -12,6 +12,15 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
+// Symbols, as in doc/back_end.md. The blocks are the poses of the nodes i (first) and j in the map.
+//   q_i, R_i          rotation from the map to i: the conjugate of the one in the block
+//   t_b, q_b, R_b     pose of j in i, by the blocks
+//   t_z_              measured translation of j in i
+//   q_z_, R_z_        conjugate of the measured rotation of j in i
+//   S_                whitens the error: S^T S is the information
+//   t_by_t, r_by_v    derivative of the translational error by a translation dt, of the rotational
+//                     error by the vector part v, and so on; (dt, v) as in tangent.hpp
+
 /// The vector part of q with positive w, and its derivative W for q * (1, v).
 struct HalfAngle {
   Eigen::Vector3d vector;

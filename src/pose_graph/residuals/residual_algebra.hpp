@@ -21,6 +21,7 @@ Eigen::Matrix<double, size, size> square_root(
   return Eigen::LLT<Eigen::Matrix<double, size, size>>(information).matrixU();
 }
 
+/// The same for a covariance: S times an error has unit covariance.
 template <int size>
 Eigen::Matrix<double, size, size> whitening(const Eigen::Matrix<double, size, size>& covariance) {
   return square_root<size>(covariance.inverse());

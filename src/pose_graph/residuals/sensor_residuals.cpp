@@ -12,7 +12,14 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// A linear function of the antenna's position: rows (t + R l - p).
+// Symbols, as in doc/back_end.md. The block is the pose (t, R) of the node in the map.
+//   p_map_     p: measured position of the antenna
+//   p_base_    l: lever arm of the antenna
+//   up         the map's z axis in the node
+//   weights_   rows that are measured, divided by their standard deviations: they whiten the error
+//   by_axis    derivative of the yaw by the direction of the node's x axis in the map
+
+/// A linear function of the antenna's position: weights (t + R l - p).
 template <int rows>
 class Antenna : public ceres::SizedCostFunction<rows, kPoseBlockSize> {
  public:

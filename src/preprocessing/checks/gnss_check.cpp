@@ -125,12 +125,12 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
     add_until(fix.stamp + latency, velocity, next_velocity,
               [&](const auto& sample, const auto& frame) { sensors.add_velocity(sample, frame); });
     track.add(fix, gnss.topic.frame());
-    track.evaluate_pending(sensors, fix.stamp, latency, true);
+    track.evaluate_pending(sensors, {fix.stamp, latency}, Waiting::kEnds);
   }
 }
 
-/// The horizontal sigma of the messages themselves, without the lower bound, root mean square of
-/// both axes, m.
+/// The horizontal standard deviation that the messages themselves state, without the lower bound,
+/// m: the median of the roots of the sum of both axes' variances, as in FixScatter.
 double stated_sigma(const std::vector<GnssFix>& fixes) {
   std::vector<double> sigmas;
   for (const GnssFix& fix : fixes) {

@@ -34,7 +34,8 @@ bool is_part_of_turn(double span, double rate, double period) {
 }
 
 /// The span is one turn if it agrees with the parameter or with the time from scan to scan. A cloud
-/// may be a part of it; of packets the rest was lost.
+/// that spans less is right for a sensor that sees a part of its turn. Packets always hold the
+/// whole turn, so that of those a part was lost.
 void check_span(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
                 InputReport& report) {
   const double span = cloud.last_time - cloud.first_time;

@@ -18,8 +18,8 @@ class FixScatter {
   void clear() { *this = {}; }
 
   bool is_known() const;
-  /// Horizontal standard deviation, as measured and as stated by the covariances, root mean square
-  /// of both axes, m.
+  /// Horizontal standard deviation, as measured and as stated by the covariances, m: the root of
+  /// the sum of both axes' variances, which is the root mean square of the error's length.
   double measured() const;
   double stated() const;
   /// Factor by which the stated covariances are too small; 1 if they are not, or if this cannot be

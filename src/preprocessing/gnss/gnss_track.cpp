@@ -81,17 +81,17 @@ FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   return {Insertion::kInserted, ""};
 }
 
-std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors, Stamp now,
-                                                     Stamp latency, bool all) {
+std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors,
+                                                     const Progress& progress, Waiting waiting) {
   std::vector<std::string> rejected(std::exchange(dropped_, std::size_t{0}),
                                     "IMU and velocity did not reach its stamp before " +
                                         std::to_string(kMaxPending) + " later fixes came");
   while (!pending_fixes_.empty()) {
     PendingFix pending = pending_fixes_.front();
     LocalFix& fix = pending.fix;
-    const bool waits = sensors.velocity().may_still_deliver(fix.stamp, now, latency) ||
-                       sensors.imu().may_still_deliver(fix.stamp, now, latency);
-    if (waits && !all) break;
+    const bool lacks_motion = sensors.velocity().may_still_deliver(fix.stamp, progress) ||
+                              sensors.imu().may_still_deliver(fix.stamp, progress);
+    if (lacks_motion && waiting == Waiting::kGoesOn) break;
     pending_fixes_.pop_front();
     sensors.update_until(fix.stamp);
     sensors.check_velocity(fix);
@@ -183,7 +183,8 @@ Eigen::Vector3d GnssTrack::lever_arm() const {
   return T_base_antenna ? T_base_antenna->translation : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-/// In the axes of dead reckoning; empty if dead reckoning has no pose at this fix.
+/// In the axes of dead reckoning (dr, see TrackedFix); empty if dead reckoning has no pose at this
+/// fix.
 std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
                                                            const MotionSensors& sensors) const {
   const auto T_dr_base = gate_.dead_reckoning();
@@ -198,9 +199,15 @@ void GnssTrack::update_antenna_fit(const PendingFix& pending, const MotionSensor
   if (!v_dr) return antenna_fit_.begin_window();
   const Pose T_dr_base = *gate_.dead_reckoning();
   const Eigen::Vector3d ahead = T_dr_base.rotation * Eigen::Vector3d::UnitX();
-  antenna_fit_.add({pending.fix.stamp, planar(pending.fix.p_enu), std::atan2(ahead.y(), ahead.x()),
-                    planar(T_dr_base.translation), planar(*v_dr), planar(lever_arm()),
-                    pending.applied_delay});
+  TrackedFix tracked;
+  tracked.stamp = pending.fix.stamp;
+  tracked.p_enu = planar(pending.fix.p_enu);
+  tracked.yaw_dr = std::atan2(ahead.y(), ahead.x());
+  tracked.p_dr_base = planar(T_dr_base.translation);
+  tracked.v_dr = planar(*v_dr);
+  tracked.p_base_antenna = planar(lever_arm());
+  tracked.applied_delay = pending.applied_delay;
+  antenna_fit_.add(tracked);
   update_delay();
 }
 
@@ -218,14 +225,14 @@ void GnssTrack::update_delay() {
           formatted("%.3f", config_.gnss_time_offset - delay_));
 }
 
-bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {
+bool GnssTrack::may_still_deliver(Stamp stamp, const Progress& progress) const {
   // That of the position, which keeps what was taken off for the check.
   const auto kept_stamp = [](const PendingFix& pending) {
     return pending.fix.stamp + from_seconds(pending.applied_delay);
   };
   if (!pending_fixes_.empty() && kept_stamp(pending_fixes_.back()) >= stamp)
-    return now < stamp + latency;
-  return stream_.may_still_deliver(stamp, now, latency);
+    return progress.newest < stamp + progress.latency;
+  return stream_.may_still_deliver(stamp, progress);
 }
 
 std::optional<GnssPosition> GnssTrack::at(Stamp stamp) const {

@@ -39,13 +39,13 @@ class GnssTrack {
 
   /// Adds a fix. An accepted fix waits until the motion up to it is known.
   FixResult add(GnssFix fix, const std::string& frame_id);
-  /// Checks the fixes whose motion is known by now, or will not become known (`latency` after them,
-  /// or all of them). Returns the problems of the rejected fixes, and of those that were dropped
-  /// since the last call because too many waited.
-  std::vector<std::string> evaluate_pending(MotionSensors& sensors, Stamp now, Stamp latency,
-                                            bool all);
+  /// Checks the fixes whose motion is known by now, or will not become known (the latency after
+  /// them, or all of them where waiting ends). Returns the problems of the rejected fixes, and of
+  /// those that were dropped since the last call because too many waited.
+  std::vector<std::string> evaluate_pending(MotionSensors& sensors, const Progress& progress,
+                                            Waiting waiting);
   /// True if a fix at or after `stamp` may still arrive.
-  bool may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const;
+  bool may_still_deliver(Stamp stamp, const Progress& progress) const;
   /// The position of the antenna at `stamp`, interpolated between two good fixes, with its lever
   /// arm; without orientation.
   std::optional<GnssPosition> at(Stamp stamp) const;

@@ -22,6 +22,9 @@ constexpr double kMaxTurnRatio = 20.0;
 constexpr Stamp kMaxLag = from_seconds(0.5);
 /// At the ends of a scan the nearest sample is used if its distance is not larger than this.
 constexpr Stamp kMaxExtrapolation = from_seconds(0.02);
+/// The specific force is taken as linear between samples up to this distance; beyond, some are
+/// missing. Chosen: that of an IMU at 50 Hz.
+constexpr Stamp kMaxForceStep = from_seconds(0.02);
 
 /// The value at `stamp`; just outside of the samples the nearest one, but not farther away.
 template <typename Sample>
@@ -100,7 +103,7 @@ void MotionSensors::update_until(Stamp stamp) {
 }
 
 void MotionSensors::update(const ImuSample& sample) {
-  if (!implausible_since_ && is_implausible(sample)) implausible_since_ = sample.stamp;
+  judge_rates(sample);
   if (sample.has_angular_velocity) gyro_limits_.add(sample.angular_velocity);
   if (sample.has_linear_acceleration) acceleration_limits_.add(sample.linear_acceleration);
   accelerations_.add(sample);
@@ -110,16 +113,20 @@ void MotionSensors::update(const ImuSample& sample) {
   }
 }
 
-/// True if its rates, together with the previous ones, are not possible for a vehicle.
-bool MotionSensors::is_implausible(const ImuSample& sample) {
+/// Rates are implausible from the sample on that, together with the previous ones, is not possible
+/// for a vehicle.
+void MotionSensors::judge_rates(const ImuSample& sample) {
+  if (implausible_since_) return;
   fast_samples_ = sample.angular_velocity.norm() > kMaxVehicleTurnRate ? fast_samples_ + 1 : 0;
   if (!exceeds_velocity_turn_rate(sample)) {
     exceeds_since_.reset();
   } else if (!exceeds_since_) {
     exceeds_since_ = sample.stamp;
   }
-  return fast_samples_ >= kMaxShockSamples ||
-         (exceeds_since_ && sample.stamp - *exceeds_since_ > kMaxLag);
+  if (fast_samples_ >= kMaxShockSamples ||
+      (exceeds_since_ && sample.stamp - *exceeds_since_ > kMaxLag)) {
+    implausible_since_ = sample.stamp;
+  }
 }
 
 /// True if the gyro's rate is much larger than that of the velocity.
@@ -189,13 +196,12 @@ std::optional<FeltForce> MotionSensors::mean_force_between(Stamp begin, Stamp en
   const auto first = imu_.around(begin);
   const auto last = imu_.around(end);
   if (!T_base_imu || !first || !last || begin >= end) return std::nullopt;
-  // The force is linear between the samples.
   ImuSample before = interpolated(*first->first, *first->second, begin);
   bool is_complete = has_valid_acceleration(before);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const auto add = [&](const ImuSample& sample) {
     const Stamp step = sample.stamp - before.stamp;
-    is_complete = is_complete && has_valid_acceleration(sample) && step <= kMaxExtrapolation;
+    is_complete = is_complete && has_valid_acceleration(sample) && step <= kMaxForceStep;
     sum += 0.5 * to_seconds(step) * (before.linear_acceleration + sample.linear_acceleration);
     before = sample;
   };

@@ -83,7 +83,7 @@ class MotionSensors {
   static constexpr double kMinAccelerationLimit = 11.0;
 
   void update(const ImuSample& sample);
-  bool is_implausible(const ImuSample& sample);
+  void judge_rates(const ImuSample& sample);
   std::optional<bool> is_standing(Stamp stamp) const;
   bool velocity_turns(Stamp stamp) const { return turns_since_ && *turns_since_ <= stamp; }
   /// Angular velocity in the sensor's axes, without bias; empty if the sample has no plausible

@@ -11,6 +11,15 @@ namespace lidar_mapping::preprocessing {
 
 enum class Insertion { kInserted, kRefused, kTimeWentBack };
 
+/// How far the data have come.
+struct Progress {
+  Stamp newest = 0;   ///< the latest stamp of all data
+  Stamp latency = 0;  ///< so much later than its stamp a sample may still come
+};
+
+/// Whether scans and fixes that lack data go on waiting for these.
+enum class Waiting { kGoesOn, kEnds };
+
 /// The samples of one sensor, and its state as far as it follows from the stamps.
 template <typename Sample>
 class SensorStream {
@@ -35,11 +44,12 @@ class SensorStream {
 
   /// True if a sample at or after `until` may still arrive: the sensor is active, or has not had
   /// enough time for a first sample.
-  bool may_still_deliver(Stamp until, Stamp now, Stamp latency) const {
+  bool may_still_deliver(Stamp until, const Progress& progress) const {
     if (!enabled_ || given_up_) return false;
-    if (buffer_.empty()) return now < until + latency;
-    if (buffer_.newest().stamp >= until || now >= until + latency) return false;
-    return buffer_.newest().stamp > now - from_seconds(kSilence) - latency;
+    const bool is_too_late = progress.newest >= until + progress.latency;
+    if (buffer_.empty()) return !is_too_late;
+    if (buffer_.newest().stamp >= until || is_too_late) return false;
+    return buffer_.newest().stamp > progress.newest - from_seconds(kSilence) - progress.latency;
   }
 
   /// Stops waiting for a sensor that has never delivered a sample, until it does.

@@ -25,7 +25,9 @@ constexpr double kPandar40pUnit = 4.0;      // mm of a count, by the user's manu
 constexpr double kMetre = 1000.0;           // mm, by definition
 
 /// Layouts and times of blocks by the user's manuals and by Hesai's driver. The time of a Pandar40P
-/// or Pandar64 is that of its blocks' ends, of the others that of their beginnings.
+/// or Pandar64 is that of its blocks' ends, of the others that of their beginnings. The columns:
+/// name, bytes, header, lasers_at, blocks, block, azimuth, channel, time, block_us, offset_us,
+/// counts_from_first, lasers.
 const std::vector<HesaiModel>& models() {
   static const std::vector<HesaiModel> all = {
       {"Pandar40P", 1262, 0, 0, 10, 124, 2, 3, 1250, 55.56, -28.58, false, pandar40p_lasers()},

@@ -27,7 +27,8 @@ struct OusterLayout {
 
 namespace {
 
-// By the manual, in the order of OusterProfile.
+// By the manual, in the order of OusterProfile. The columns: name, packet_header, packet_footer,
+// column_header, column_footer, pixel, frame, range_bits, returns, range, reflectivity.
 constexpr OusterLayout kLayouts[] = {
     {"LEGACY", 0, 0, 16, 4, 12, 10, 0xFFFFF, 1, {0, 0}, {4, 0}},
     {"RNG19_RFL8_SIG16_NIR16", 32, 32, 12, 0, 12, 2, 0x7FFFF, 1, {0, 0}, {4, 0}},

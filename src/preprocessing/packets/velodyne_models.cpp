@@ -16,7 +16,8 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Firing times by the user's manual: VLP-16, chapter 9.4; VLP-32C, 9.4; HDL-32E, appendix A.
+// Firing times by the user's manual: VLP-16, chapter 9.4; VLP-32C, 9.4; HDL-32E, appendix A. The
+// columns: name, lasers, sequences, sequence (s), firing (s), together, distance_resolution (m).
 const VelodyneModel kVlp16 = {"VLP-16", 16, 2, 55.296e-6, 2.304e-6, 1, 0.002};
 const VelodyneModel kHiRes = {"Puck Hi-Res", 16, 2, 55.296e-6, 2.304e-6, 1, 0.002};
 const VelodyneModel kVlp32c = {"VLP-32C", 32, 1, 55.296e-6, 2.304e-6, 2, 0.004};
@@ -62,8 +63,8 @@ LaserCorrection nominal_laser(const VelodyneModel& model, std::size_t laser) {
 }
 
 bool has_flag(const VelodynePacket& packet, unsigned flag) {
-  for (std::size_t block = 0; block < kBlocks; ++block) {
-    if (number_at<std::uint16_t>(packet.data + block * kBlock) == flag) return true;
+  for (std::size_t block = 0; block < kBlocksOfPacket; ++block) {
+    if (number_at<std::uint16_t>(packet.data + block * kBlockBytes) == flag) return true;
   }
   return false;
 }

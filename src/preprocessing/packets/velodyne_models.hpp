@@ -29,8 +29,8 @@ const VelodyneModel& velodyne_model(const std::vector<VelodynePacket>& packets,
 /// its own.
 VelodyneCalibration nominal_calibration(const VelodyneModel& model);
 
-constexpr std::size_t kBlock = 100;  // bytes of a block, by the user's manual
-constexpr std::size_t kBlocks = 12;  // of a packet, by the user's manual
+constexpr std::size_t kBlockBytes = 100;     // bytes of a block, by the user's manual
+constexpr std::size_t kBlocksOfPacket = 12;  // of a packet, by the user's manual
 // The flags of a block: all lasers or the upper 32, and the lower 32 of an HDL-64E.
 constexpr unsigned kUpperBlock = 0xEEFF;  // little-endian, by the user's manual
 constexpr unsigned kLowerBlock = 0xDDFF;  // little-endian, by the user's manual of the HDL-64E

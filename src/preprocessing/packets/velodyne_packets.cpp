@@ -21,13 +21,15 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::size_t kAzimuth = 2;           // byte of the azimuth in a block, by the manual
-constexpr std::size_t kChannels = 4;          // byte of the first range in a block, by the manual
-constexpr std::size_t kChannel = 3;           // bytes: range (two) and reflectivity, by the manual
+// Layout of a block and of a packet by the user's manual: numbers of bytes, and byte at which a
+// value begins.
+constexpr std::size_t kAzimuthAt = 2;         // in a block, by the manual
+constexpr std::size_t kChannelsAt = 4;        // in a block: the first channel, by the manual
+constexpr std::size_t kChannelBytes = 3;      // range (two) and reflectivity, by the manual
 constexpr std::size_t kChannelsOfBlock = 32;  // by the user's manual
-constexpr std::size_t kTime = 1200;           // byte of the time in a packet, by the manual
-constexpr std::int64_t kHour =
-    3'600'000'000;  // us until the sensor's time begins anew, by the manual
+constexpr std::size_t kTimeAt = 1200;         // in a packet, by the manual
+/// us until the sensor's time begins anew, by the manual: an hour.
+constexpr std::int64_t kVelodyneHour = 3'600'000'000;
 /// From packet to packet of an HDL-64E, s, by its user's manual (1.333 million points a second);
 /// used where a scan has a single packet.
 constexpr double kHdl64Packet = 288e-6;
@@ -38,12 +40,12 @@ constexpr double kNearX = 2.4, kNearY = 1.93, kFar = 25.04;
 constexpr double kFocalEnd = 13100.0;
 
 unsigned azimuth_of(const unsigned char* block) {
-  return number_at<std::uint16_t>(block + kAzimuth);
+  return number_at<std::uint16_t>(block + kAzimuthAt);
 }
 
 bool is_whole(const VelodynePacket& packet) {
-  for (std::size_t b = 0; b < kBlocks; ++b) {
-    const unsigned char* block = packet.data + b * kBlock;
+  for (std::size_t b = 0; b < kBlocksOfPacket; ++b) {
+    const unsigned char* block = packet.data + b * kBlockBytes;
     const unsigned flag = number_at<std::uint16_t>(block);
     if ((flag != kUpperBlock && flag != kLowerBlock) || azimuth_of(block) >= kTurn) return false;
   }
@@ -54,9 +56,9 @@ bool is_whole(const VelodynePacket& packet) {
 std::vector<double> times_of(const std::vector<VelodynePacket>& packets, Stamp stamp) {
   std::vector<PacketTime> times;
   for (const VelodynePacket& packet : packets) {
-    times.push_back({packet.stamp, number_at<std::uint32_t>(packet.data + kTime)});
+    times.push_back({packet.stamp, number_at<std::uint32_t>(packet.data + kTimeAt)});
   }
-  return packet_times(times, kHour, stamp);
+  return packet_times(times, kVelodyneHour, stamp);
 }
 
 /// s from packet to packet.
@@ -68,14 +70,16 @@ double packet_duration(const std::vector<double>& times) {
 }
 
 std::vector<AzimuthGroup> groups_of(const unsigned char* packet) {
-  std::array<unsigned, kBlocks> azimuths{};
-  for (std::size_t b = 0; b < kBlocks; ++b) azimuths[b] = azimuth_of(packet + b * kBlock);
-  return azimuth_groups(azimuths.data(), kBlocks);
+  std::array<unsigned, kBlocksOfPacket> azimuths{};
+  for (std::size_t b = 0; b < kBlocksOfPacket; ++b)
+    azimuths[b] = azimuth_of(packet + b * kBlockBytes);
+  return azimuth_groups(azimuths.data(), kBlocksOfPacket);
 }
 
-/// How much nearer than far away a range is to be corrected, by the manual of the HDL-64E.
-double near_correction(double at, double near_place, double near_value, double far_value) {
-  return (far_value - near_value) * (at - near_place) / (kFar - near_place) + near_value -
+/// A laser of an HDL-64E is calibrated at two distances, and by its manual the correction is linear
+/// in between: by how much it differs at `distance` (m) from that at kFar.
+double near_correction(double distance, double near_place, double near_value, double far_value) {
+  return (far_value - near_value) * (distance - near_place) / (kFar - near_place) + near_value -
          far_value;
 }
 
@@ -156,15 +160,15 @@ class PointCollector {
  private:
   void add_block(const unsigned char* packet, const AzimuthGroup& group, std::size_t block,
                  double time, double duration) {
-    const unsigned char* const at = packet + block * kBlock;
+    const unsigned char* const at = packet + block * kBlockBytes;
     const unsigned char* const first = first_return(packet, group, block);
     const std::size_t bank = number_at<std::uint16_t>(at) == kLowerBlock ? kChannelsOfBlock : 0;
     for (std::size_t channel = 0; channel < kChannelsOfBlock; ++channel) {
-      const unsigned char* const measured = at + kChannels + channel * kChannel;
+      const unsigned char* const measured = at + kChannelsAt + channel * kChannelBytes;
       const unsigned counts = number_at<std::uint16_t>(measured);
       if (counts == 0) continue;  // no return
       if (first != nullptr &&
-          counts == number_at<std::uint16_t>(first + kChannels + channel * kChannel)) {
+          counts == number_at<std::uint16_t>(first + kChannelsAt + channel * kChannelBytes)) {
         continue;  // the strongest return is the last one, too
       }
       const std::size_t laser = (channel + bank) % model_.lasers;
@@ -179,9 +183,10 @@ class PointCollector {
   /// The block with the other return of the same lasers; null for the first one.
   static const unsigned char* first_return(const unsigned char* packet, const AzimuthGroup& group,
                                            std::size_t block) {
-    const unsigned flag = number_at<std::uint16_t>(packet + block * kBlock);
+    const unsigned flag = number_at<std::uint16_t>(packet + block * kBlockBytes);
     for (std::size_t other = group.begin; other < block; ++other) {
-      if (number_at<std::uint16_t>(packet + other * kBlock) == flag) return packet + other * kBlock;
+      if (number_at<std::uint16_t>(packet + other * kBlockBytes) == flag)
+        return packet + other * kBlockBytes;
     }
     return nullptr;
   }

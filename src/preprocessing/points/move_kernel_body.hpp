@@ -60,10 +60,12 @@ LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t ste
   to = _mm512_insertf32x8(low, two_points(from + 2 * step, step), 1);
 }
 
+/// A mask of __builtin_shuffle that takes the same four values in each quad.
 constexpr Ints in_each_quad(int a, int b, int c, int d) {
   return Ints{a,     b,     c,     d,     a + 4,  b + 4,  c + 4,  d + 4,
               a + 8, b + 8, c + 8, d + 8, a + 12, b + 12, c + 12, d + 12};
 }
+/// Number of the point in each lane of Coordinates.
 constexpr Ints kPointOfLane = {0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15};
 
 #elif defined(__AVX2__)
@@ -126,13 +128,19 @@ struct Coordinates {
   Floats x, y, z;
 };
 
+// Masks for two registers a and b, by what each quad of the result holds: a0 is the first value of
+// the same quad of a, and so on. In a mask, numbers from kLanes on are those of b.
+/// a0 b0 a1 b1; below, a2 b2 a3 b3.
 constexpr Ints kLower = in_each_quad(0, kLanes, 1, kLanes + 1);
 constexpr Ints kUpper = in_each_quad(2, kLanes + 2, 3, kLanes + 3);
+/// a0 a1 b0 b1; below, a2 a3 b2 b3.
 constexpr Ints kFirst = in_each_quad(0, 1, kLanes, kLanes + 1);
 constexpr Ints kSecond = in_each_quad(2, 3, kLanes + 2, kLanes + 3);
+/// For the point of row k: two values of a (x and y), then bk (z); the fourth is replaced later.
 constexpr Ints kThirdFrom[4] = {
     in_each_quad(0, 1, kLanes, kLanes + 3), in_each_quad(2, 3, kLanes + 1, kLanes + 3),
     in_each_quad(0, 1, kLanes + 2, kLanes + 3), in_each_quad(2, 3, kLanes + 3, kLanes + 3)};
+/// a0 a1 a2 b3.
 constexpr Ints kFourth = in_each_quad(0, 1, 2, kLanes + 3);
 
 LIDAR_MAPPING_INLINE Coordinates coordinates_of(const Rows& points) {

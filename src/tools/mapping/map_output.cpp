@@ -7,7 +7,6 @@
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
 #include "lidar_mapping/pipeline/session_marks.hpp"
@@ -92,9 +91,7 @@ KeyFramePoses until(Stamp last, KeyFramePoses poses) {
 }  // namespace
 
 void check_numbers(const MapOutput& output) {
-  const MapConfig config = make_config(output, {});
-  map::check_formats(output.products.formats);
-  if (contains(output.products.formats, "grid")) map::grid_cell(config);
+  map::check_formats(output.products.formats, make_config(output, {}));
 }
 
 KeyFramePoses key_frame_poses(const Session& session) {

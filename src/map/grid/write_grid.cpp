@@ -194,8 +194,8 @@ class PgmWriter {
 
 }  // namespace
 
-Files save_grid(const CloudParts& map, const GridOptions& options,
-                const std::filesystem::path& directory, const std::optional<GridRays>& rays) {
+Files write_grid(const CloudParts& map, const GridOptions& options,
+                 const std::filesystem::path& directory, const std::optional<GridRays>& rays) {
   const GridFrame frame(map, options.cell);
   const GridBlocks blocks(map, frame);
   const Files files = {directory / "grid.pgm", directory / "grid.yaml"};

@@ -20,7 +20,7 @@ std::string tile_file_name(const Eigen::Vector3d& origin) {
 
 constexpr const char* kMetadata = "pointcloud_map_metadata.yaml";
 
-Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
+Files write_tile_files(const TileSource& tiles, double tile_size, const fs::path& directory) {
   Files names;
   std::string metadata =
       formatted("x_resolution: %.9g\ny_resolution: %.9g\n", tile_size, tile_size);
@@ -38,10 +38,10 @@ Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& dir
 
 }  // namespace
 
-Files save_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
+Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
   Files files;
   write_whole_folder(directory, kMetadata, "tiles of a map", [&](const fs::path& folder) {
-    for (const fs::path& name : write_tiles(tiles, tile_size, folder)) {
+    for (const fs::path& name : write_tile_files(tiles, tile_size, folder)) {
       files.push_back(directory / name);
     }
   });
