@@ -227,6 +227,8 @@ TEST(InputValidator, FindsCovariancesThatAreTooSmall) {
   }
   const std::string faults = all_faults(messages);
   EXPECT_NE(faults.find("scatter"), std::string::npos) << faults;
+  // 0.5 m to the north and 0.33 m to the east: 0.42 m for each axis.
+  EXPECT_NE(faults.find("set gnss_sigma_floor_xy to 0.5 "), std::string::npos) << faults;
 }
 
 TEST(InputValidator, FindsCovariancesThatAreTooSmallBelowTheBound) {

@@ -146,6 +146,7 @@ void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
   const double acceleration_scatter = kUsualAcceleration / std::pow(gnss.usable.topic.rate(), 2);
   if (scatter.measured() < kMaxSigmaRatio * stated_by_messages + acceleration_scatter) return;
   const bool is_covered = scatter.variance_factor() <= 1.0;
+  const double of_an_axis = scatter.measured() / std::sqrt(2.0);
   add_warning(report,
               formatted("fixes scatter by %.2f m, but their covariance gives %.3f m",
                         scatter.measured(), stated_by_messages),
@@ -153,7 +154,7 @@ void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
                                      config.gnss_sigma_floor_xy)
                          : formatted("the covariance is raised to the measured scatter; set "
                                      "gnss_sigma_floor_xy to %.1f to raise it from the beginning",
-                                     std::ceil(scatter.measured() * 10.0) / 10.0));
+                                     std::ceil(of_an_axis * 10.0) / 10.0));
 }
 
 /// False if too little is known of the antenna to check the stamps, which were moved by
