@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
@@ -220,14 +221,13 @@ TEST(InputValidator, FindsOutagesAndJumps) {
 TEST(InputValidator, FindsCovariancesThatAreTooSmall) {
   Messages messages = clean();
   std::mt19937 engine(1);
-  std::normal_distribution<double> noise(0.0, 1.0 / 111000.0);
+  std::normal_distribution<double> noise(0.0, 0.45);  // m
   for (GnssFix& fix : messages.gnss) {
-    fix.latitude_deg += 0.5 * noise(engine);
-    fix.longitude_deg += 0.5 * noise(engine);
+    fix.latitude_deg += noise(engine) / 111000.0;
+    fix.longitude_deg += noise(engine) / (111000.0 * std::cos(fix.latitude_deg * kRadPerDeg));
   }
   const std::string faults = all_faults(messages);
   EXPECT_NE(faults.find("scatter"), std::string::npos) << faults;
-  // 0.5 m to the north and 0.33 m to the east: 0.42 m for each axis.
   EXPECT_NE(faults.find("set gnss_sigma_floor_xy to 0.5 "), std::string::npos) << faults;
 }
 
