@@ -9,7 +9,6 @@ namespace {
 
 using Flags = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMargin = GroundArea::kMargin;  // columns
 constexpr std::size_t kWindow = GroundArea::kWindow;  // columns
 
 /// Logical or of kWindow flags each, which are `step` apart; the input is longer by their distance.
@@ -28,7 +27,7 @@ Flags dilated(const Flags& flags, std::size_t step) {
 }  // namespace
 
 GroundArea::GroundArea(const PointCells& cells)
-    : rectangle_(CellRectangle(cells).expanded(static_cast<int>(GroundArea::kMargin))),
+    : rectangle_(CellRectangle(cells).expanded(static_cast<int>(kMargin))),
       numbers_(rectangle_.size()),
       columns_of_points_(rectangle_.indices_of(cells)) {
   const std::size_t width = rectangle_.width();
