@@ -114,14 +114,13 @@ void project_into_view(const Viewpoint& view, const PointArrays& points, std::si
   }
 }
 
-void classify(const RangeInterval* windows, const ProjectedPixels& targets, std::size_t count,
-              const VisibilityCounts& counts, int* __restrict ambiguous) {
+void classify(const RangeInterval* __restrict windows, const ProjectedPixels& targets,
+              std::size_t count, const VisibilityCounts& counts, int* __restrict ambiguous) {
   const int* __restrict pixels = targets.pixels;
   const int* __restrict nearest = targets.nearest;
   const int* __restrict farthest = targets.farthest;
   int* __restrict through = counts.through;
   int* __restrict hits = counts.hits;
-#pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
     const RangeInterval interval = windows[pixels[i]];
     const int observed_nearest = nearest_of(interval);

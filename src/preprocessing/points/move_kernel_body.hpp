@@ -29,6 +29,25 @@ constexpr int kQuads = kLanes / 4;
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
 
+// LIDAR_MAPPING_SHUFFLE(a, b, mask) has in lane i value mask[i] of a, or from kLanes on of b. GCC
+// has to see the constant mask where it is used; clang has no such function.
+#ifdef __clang__
+LIDAR_MAPPING_INLINE Floats shuffled(const Floats& a, const Floats& b, const Ints& mask) {
+  Floats result = a;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int from = mask[lane];
+    result[lane] = from < kLanes ? a[from] : b[from - kLanes];
+  }
+  return result;
+}
+LIDAR_MAPPING_INLINE Floats shuffled(const Floats& a, const Ints& mask) {
+  return shuffled(a, a, mask);
+}
+#define LIDAR_MAPPING_SHUFFLE shuffled
+#else
+#define LIDAR_MAPPING_SHUFFLE __builtin_shuffle
+#endif
+
 LIDAR_MAPPING_INLINE void load(const void* from, Floats& to) { std::memcpy(&to, from, sizeof(to)); }
 LIDAR_MAPPING_INLINE void store(const Floats& from, float* to) {
   std::memcpy(to, &from, sizeof(from));
@@ -60,7 +79,7 @@ LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t ste
   to = _mm512_insertf32x8(low, two_points(from + 2 * step, step), 1);
 }
 
-/// A mask of __builtin_shuffle that takes the same four values in each quad.
+/// A mask of LIDAR_MAPPING_SHUFFLE that takes the same four values in each quad.
 constexpr Ints in_each_quad(int a, int b, int c, int d) {
   return Ints{a,     b,     c,     d,     a + 4,  b + 4,  c + 4,  d + 4,
               a + 8, b + 8, c + 8, d + 8, a + 12, b + 12, c + 12, d + 12};
@@ -144,21 +163,21 @@ constexpr Ints kThirdFrom[4] = {
 constexpr Ints kFourth = in_each_quad(0, 1, 2, kLanes + 3);
 
 LIDAR_MAPPING_INLINE Coordinates coordinates_of(const Rows& points) {
-  const Floats xy0 = __builtin_shuffle(points.row[0], points.row[1], kLower);
-  const Floats xy1 = __builtin_shuffle(points.row[2], points.row[3], kLower);
-  const Floats zw0 = __builtin_shuffle(points.row[0], points.row[1], kUpper);
-  const Floats zw1 = __builtin_shuffle(points.row[2], points.row[3], kUpper);
-  return {__builtin_shuffle(xy0, xy1, kFirst), __builtin_shuffle(xy0, xy1, kSecond),
-          __builtin_shuffle(zw0, zw1, kFirst)};
+  const Floats xy0 = LIDAR_MAPPING_SHUFFLE(points.row[0], points.row[1], kLower);
+  const Floats xy1 = LIDAR_MAPPING_SHUFFLE(points.row[2], points.row[3], kLower);
+  const Floats zw0 = LIDAR_MAPPING_SHUFFLE(points.row[0], points.row[1], kUpper);
+  const Floats zw1 = LIDAR_MAPPING_SHUFFLE(points.row[2], points.row[3], kUpper);
+  return {LIDAR_MAPPING_SHUFFLE(xy0, xy1, kFirst), LIDAR_MAPPING_SHUFFLE(xy0, xy1, kSecond),
+          LIDAR_MAPPING_SHUFFLE(zw0, zw1, kFirst)};
 }
 
 /// The fourth value of each point is kept.
 LIDAR_MAPPING_INLINE void put(const Coordinates& coordinates, Rows& points) {
-  const Floats xy0 = __builtin_shuffle(coordinates.x, coordinates.y, kLower);
-  const Floats xy1 = __builtin_shuffle(coordinates.x, coordinates.y, kUpper);
+  const Floats xy0 = LIDAR_MAPPING_SHUFFLE(coordinates.x, coordinates.y, kLower);
+  const Floats xy1 = LIDAR_MAPPING_SHUFFLE(coordinates.x, coordinates.y, kUpper);
   for (int k = 0; k < 4; ++k) {
-    const Floats xyz = __builtin_shuffle(k < 2 ? xy0 : xy1, coordinates.z, kThirdFrom[k]);
-    points.row[k] = __builtin_shuffle(xyz, points.row[k], kFourth);
+    const Floats xyz = LIDAR_MAPPING_SHUFFLE(k < 2 ? xy0 : xy1, coordinates.z, kThirdFrom[k]);
+    points.row[k] = LIDAR_MAPPING_SHUFFLE(xyz, points.row[k], kFourth);
   }
 }
 
@@ -293,7 +312,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
   if constexpr (has_times) {
     Floats time;
     load(times, time);
-    time = __builtin_shuffle(time, kPointOfLane);
+    time = LIDAR_MAPPING_SHUFFLE(time, kPointOfLane);
     range = plus(range, time, Floats{});  // becomes NaN if the time is not finite
     p = moved_timed(slots, slot, time, p);
   } else {
