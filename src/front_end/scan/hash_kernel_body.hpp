@@ -3,6 +3,8 @@
 
 #include <cstring>
 
+#include "lidar_mapping/common/vector_shuffle.hpp"
+
 #include "scan/hash_kernel.hpp"
 
 namespace lidar_mapping::front_end {
@@ -45,13 +47,13 @@ inline __attribute__((always_inline)) void load_neighbors(const float* points, F
   constexpr Ints kUpper = {2, 10, 3, 11, 6, 14, 7, 15};
   constexpr Ints kFirst = {0, 1, 8, 9, 4, 5, 12, 13};
   constexpr Ints kSecond = {2, 3, 10, 11, 6, 7, 14, 15};
-  const Floats xy0 = __builtin_shuffle(p01, p23, kLower);
-  const Floats xy1 = __builtin_shuffle(p45, p67, kLower);
-  const Floats zw0 = __builtin_shuffle(p01, p23, kUpper);
-  const Floats zw1 = __builtin_shuffle(p45, p67, kUpper);
-  x = __builtin_shuffle(xy0, xy1, kFirst);
-  y = __builtin_shuffle(xy0, xy1, kSecond);
-  z = __builtin_shuffle(zw0, zw1, kFirst);
+  const Floats xy0 = LIDAR_MAPPING_SHUFFLE(p01, p23, kLower);
+  const Floats xy1 = LIDAR_MAPPING_SHUFFLE(p45, p67, kLower);
+  const Floats zw0 = LIDAR_MAPPING_SHUFFLE(p01, p23, kUpper);
+  const Floats zw1 = LIDAR_MAPPING_SHUFFLE(p45, p67, kUpper);
+  x = LIDAR_MAPPING_SHUFFLE(xy0, xy1, kFirst);
+  y = LIDAR_MAPPING_SHUFFLE(xy0, xy1, kSecond);
+  z = LIDAR_MAPPING_SHUFFLE(zw0, zw1, kFirst);
 }
 
 inline __attribute__((always_inline)) void hash_lanes(const Floats& x, const Floats& y,
@@ -80,7 +82,7 @@ void hash_points(const float* points, std::size_t stride, std::size_t count, con
     Words words{};
     load_neighbors(points + i * step, x, y, z);
     hash_lanes(x, y, z, rule, words);
-    words = __builtin_shuffle(words, kInOrder);
+    words = LIDAR_MAPPING_SHUFFLE(words, kInOrder);
     std::memcpy(hashes + i, &words, sizeof(words));
   }
   for (; i + kLanes <= count; i += kLanes) {

@@ -28,7 +28,7 @@ void AccelerometerCheck::add(const ImuSample& sample) {
   if (!sample.has_linear_acceleration) return;
   if (window_ && sample.stamp - window_->last > kMaxGap) window_.reset();
   if (!window_) {
-    window_.emplace();
+    window_ = Window{};
     window_->begin = window_->last = sample.stamp;
     window_->first = window_->gravity = sample.linear_acceleration;
     window_->min_gravity = window_->max_gravity = sample.linear_acceleration.array();

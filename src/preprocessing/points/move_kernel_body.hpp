@@ -9,6 +9,8 @@
 #include <immintrin.h>
 #endif
 
+#include "lidar_mapping/common/vector_shuffle.hpp"
+
 #include "points/move_kernel.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -28,25 +30,6 @@ constexpr unsigned kAll = (1U << kLanes) - 1U;  // a bit per lane, by definition
 constexpr int kQuads = kLanes / 4;
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
-
-// LIDAR_MAPPING_SHUFFLE(a, b, mask) has in lane i value mask[i] of a, or from kLanes on of b. GCC
-// has to see the constant mask where it is used; clang has no such function.
-#ifdef __clang__
-LIDAR_MAPPING_INLINE Floats shuffled(const Floats& a, const Floats& b, const Ints& mask) {
-  Floats result = a;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int from = mask[lane];
-    result[lane] = from < kLanes ? a[from] : b[from - kLanes];
-  }
-  return result;
-}
-LIDAR_MAPPING_INLINE Floats shuffled(const Floats& a, const Ints& mask) {
-  return shuffled(a, a, mask);
-}
-#define LIDAR_MAPPING_SHUFFLE shuffled
-#else
-#define LIDAR_MAPPING_SHUFFLE __builtin_shuffle
-#endif
 
 LIDAR_MAPPING_INLINE void load(const void* from, Floats& to) { std::memcpy(&to, from, sizeof(to)); }
 LIDAR_MAPPING_INLINE void store(const Floats& from, float* to) {
