@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/vectorization.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -51,9 +53,10 @@ void transform_points(const SampledPoints& points, const registration::MotionSta
   const float* const py = points.y.data();
   const float* const pz = points.z.data();
   const float* const ps = points.s.data();
-  float* __restrict const qx = transformed_points.x.data();
-  float* __restrict const qy = transformed_points.y.data();
-  float* __restrict const qz = transformed_points.z.data();
+  float* const qx = transformed_points.x.data();
+  float* const qy = transformed_points.y.data();
+  float* const qz = transformed_points.z.data();
+  LIDAR_MAPPING_INDEPENDENT_ITERATIONS
   for (std::size_t i = 0; i < points.size(); ++i) {
     float x = px[i], y = py[i], z = pz[i];
     const float s = ps[i];

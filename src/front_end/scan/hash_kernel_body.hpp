@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "lidar_mapping/common/vector_shuffle.hpp"
+#include "lidar_mapping/common/vectorization.hpp"
 
 #include "scan/hash_kernel.hpp"
 

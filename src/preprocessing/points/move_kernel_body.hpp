@@ -9,7 +9,7 @@
 #include <immintrin.h>
 #endif
 
-#include "lidar_mapping/common/vector_shuffle.hpp"
+#include "lidar_mapping/common/vectorization.hpp"
 
 #include "points/move_kernel.hpp"
 

@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+// What GCC and clang have under different names.
+
+/// In front of a loop: no iteration reads what another one writes, so that the compiler may compute
+/// several at once.
+#ifdef __clang__
+#define LIDAR_MAPPING_INDEPENDENT_ITERATIONS _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define LIDAR_MAPPING_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
+#endif
+
 /// LIDAR_MAPPING_SHUFFLE(a, b, mask) and LIDAR_MAPPING_SHUFFLE(a, mask) choose values of vectors of
 /// the compiler (its attribute vector_size): lane i of the result is value mask[i] of a or, counted
 /// on behind the lanes of a, of b. The mask is a vector of integers as long as a. GCC has to see a
