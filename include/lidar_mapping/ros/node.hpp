@@ -78,13 +78,13 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
                           Numbered numbered = Numbered::kNo) {
   const auto channel = context.worker.add_channel(topic, static_cast<std::size_t>(capacity));
-  auto gaps = std::make_shared<SequenceGaps>();
+  const auto gaps = numbered == Numbered::kYes ? std::make_shared<SequenceGaps>() : nullptr;
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
-      [&worker = context.worker, channel, numbered, gaps,
+      [&worker = context.worker, channel, gaps,
        handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
         const boost::shared_ptr<const Message> message = event.getConstMessage();
         if constexpr (ros::message_traits::HasHeader<Message>::value) {
-          if (numbered == Numbered::kYes) {
+          if (gaps) {
             worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));
           }
         }
