@@ -22,7 +22,7 @@ namespace lidar_mapping {
 template <typename Vector, typename Mask>
 static inline __attribute__((always_inline)) Vector shuffled(const Vector& a, const Vector& b,
                                                              const Mask& mask) {
-  constexpr int kLanes = sizeof(Mask) / sizeof(mask[0]);
+  constexpr int kLanes = sizeof(Mask) / sizeof(mask[0]);  // by definition
   Vector result = a;
   for (int lane = 0; lane < kLanes; ++lane) {
     const int from = mask[lane];
