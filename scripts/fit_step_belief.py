@@ -147,7 +147,7 @@ def fit_error(x, error, weight):
 
 
 def fit_model(table):
-    """Coefficients by the names of Model in step_belief.cpp, in its order."""
+    """Coefficients by the names of Weights in step_belief.cpp, in its order."""
     x, weight, closed = features(table), weights(table), ~is_open(table)
     errors = (np.maximum(table['error_m'], LEAST_ERROR),
               np.radians(np.maximum(table['error_deg'], LEAST_ERROR_DEG)))
@@ -208,9 +208,11 @@ def draw(said, true, path):
 
 
 def as_code(name, model):
-    """A constant of step_belief.cpp."""
-    rows = ['{' + ',\n      '.join(f'{c:.4f}' for c in values) + '}' for values in model.values()]
-    return f'constexpr Model {name}{{\n    {{' + '},\n    {'.join(rows) + '}};\n'
+    """A constant of step_belief.cpp: a row per feature, a column per coefficient."""
+    features_of_rows = ['1', *(feature for feature, _ in FEATURES)]
+    rows = [f'    {{{", ".join(f"{c:8.4f}" for c in values)}}},  // {feature}\n'
+            for feature, values in zip(features_of_rows, zip(*model.values()))]
+    return f'constexpr Model {name} = {{{{\n{"".join(rows)}}}}};\n'
 
 
 def doubted(table, safe):

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -16,14 +15,16 @@ constexpr double kCostOfMissedDoubt = 1.5;
 constexpr double kCostOfMissedDoubtInDoubt = 9.0;
 
 constexpr std::size_t kFeatures = 22;  // by definition: the numbers that features() returns
-using Coefficients = std::array<double, kFeatures>;
+using Features = std::array<double, kFeatures>;
 
-struct Model {
-  Coefficients probability;
-  Coefficients error;        ///< log10 of it, m
-  Coefficients error_angle;  ///< log10 of it, rad
-  Coefficients safety;
+/// Coefficients of a feature.
+struct Weights {
+  double probability;
+  double error;        ///< log10 of it, m
+  double error_angle;  ///< log10 of it, rad
+  double safety;
 };
+using Model = std::array<Weights, kFeatures>;
 
 // Written by scripts/fit_step_belief.py.
 #include "judgement/step_belief_coefficients.inc"
@@ -31,7 +32,7 @@ struct Model {
 double logarithm(double value, double least) { return std::log10(std::max(value, least)); }
 
 /// The same as features() in fit_step_belief.py.
-Coefficients features(const StepEvidence& e) {
+Features features(const StepEvidence& e) {
   return {1.0,
           logarithm(e.sigma, 1e-4),
           logarithm(e.sigma_angle, 1e-5),
@@ -56,12 +57,14 @@ Coefficients features(const StepEvidence& e) {
           logarithm(e.turn, 1e-3)};
 }
 
-double weighted(const Coefficients& coefficients, const Coefficients& x) {
-  return std::inner_product(x.begin(), x.end(), coefficients.begin(), 0.0);
+double weighted(const Features& x, const Model& model, double Weights::*coefficient) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kFeatures; ++i) sum += x[i] * model[i].*coefficient;
+  return sum;
 }
 
-double logistic(const Coefficients& coefficients, const Coefficients& x) {
-  return 1.0 / (1.0 + std::exp(-weighted(coefficients, x)));
+double logistic(const Features& x, const Model& model, double Weights::*coefficient) {
+  return 1.0 / (1.0 + std::exp(-weighted(x, model, coefficient)));
 }
 
 }  // namespace
@@ -73,12 +76,12 @@ bool StepBelief::is_safe(bool in_doubt) const {
 StepBelief evaluate_step(const StepEvidence& evidence, EvidenceSource source) {
   const bool is_ndt = source == EvidenceSource::kNdt;
   const Model& model = is_ndt ? kNdtModel : kSlidingWindowModel;
-  const Coefficients x = features(evidence);
+  const Features x = features(evidence);
   StepBelief belief;
-  belief.probability = logistic(model.probability, x);
-  belief.expected_error = std::pow(10.0, weighted(model.error, x));
-  belief.expected_error_angle = std::pow(10.0, weighted(model.error_angle, x));
-  belief.safety = logistic(model.safety, x);
+  belief.probability = logistic(x, model, &Weights::probability);
+  belief.expected_error = std::pow(10.0, weighted(x, model, &Weights::error));
+  belief.expected_error_angle = std::pow(10.0, weighted(x, model, &Weights::error_angle));
+  belief.safety = logistic(x, model, &Weights::safety);
   return belief;
 }
 
