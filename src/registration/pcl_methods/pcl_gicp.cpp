@@ -7,36 +7,25 @@ namespace lidar_mapping::registration {
 
 namespace {
 
-struct CountedGicp : pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> {
-  int iterations() const { return nr_iterations_; }
-};
-
 /// Generalised ICP, plane to plane (Segal, Haehnel and Thrun 2009).
-class PclGicp : public PclRegistration {
- public:
-  explicit PclGicp(const RegistrationConfig& config) : PclRegistration(config.fitness_max_range) {
-    gicp_.setMaxCorrespondenceDistance(config.max_correspondence_distance);
-    gicp_.setCorrespondenceRandomness(config.correspondence_randomness);
-    gicp_.setMaximumOptimizerIterations(config.max_optimizer_iterations);
-    gicp_.setMaximumIterations(config.max_iterations);
-    gicp_.setTransformationEpsilon(config.transformation_epsilon);
-    gicp_.setRotationEpsilon(config.rotation_epsilon);
+struct CountedGicp : pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> {
+  PclRegistration::Outcome outcome() {
+    return {hasConverged() && nr_iterations_ < getMaximumIterations(), nr_iterations_};
   }
-
- private:
-  PclMethod& method() override { return gicp_; }
-  Outcome outcome() override {
-    return {gicp_.hasConverged() && gicp_.iterations() < gicp_.getMaximumIterations(),
-            gicp_.iterations()};
-  }
-
-  CountedGicp gicp_;
 };
 
 }  // namespace
 
 std::unique_ptr<Registration> make_gicp(const RegistrationConfig& config) {
-  return std::make_unique<PclGicp>(config);
+  const auto gicp = std::make_shared<CountedGicp>();
+  gicp->setMaxCorrespondenceDistance(config.max_correspondence_distance);
+  gicp->setCorrespondenceRandomness(config.correspondence_randomness);
+  gicp->setMaximumOptimizerIterations(config.max_optimizer_iterations);
+  gicp->setMaximumIterations(config.max_iterations);
+  gicp->setTransformationEpsilon(config.transformation_epsilon);
+  gicp->setRotationEpsilon(config.rotation_epsilon);
+  return std::make_unique<PclRegistration>(
+      gicp, [gicp] { return gicp->outcome(); }, config.fitness_max_range);
 }
 
 }  // namespace lidar_mapping::registration

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_methods/pcl_registration.hpp"
 
+#include <utility>
+
 #include "fit.hpp"
 
 namespace lidar_mapping::registration {
+
+PclRegistration::PclRegistration(std::shared_ptr<PclMethod> method,
+                                 std::function<Outcome()> outcome, double fitness_max_range)
+    : method_(std::move(method)),
+      outcome_(std::move(outcome)),
+      fitness_max_range_(fitness_max_range) {}
 
 void PclRegistration::set_target(const PointCloud& target) {
   const PclCloud::Ptr cloud = to_pcl(target);
@@ -15,7 +23,7 @@ void PclRegistration::set_target(const PointCloud& target) {
   for (pcl::PointXYZ& p : *cloud) {
     p.getVector3fMap() = (p.getVector3fMap().cast<double>() - middle).cast<float>();
   }
-  method().setInputTarget(cloud);
+  method_->setInputTarget(cloud);
 }
 
 RegistrationResult PclRegistration::align(const PointCloud& source,
@@ -25,18 +33,18 @@ RegistrationResult PclRegistration::align(const PointCloud& source,
   const PclCloud::Ptr cloud = to_pcl(source);
   if (!has_target_ || cloud->size() < kLeastPoints) return result;
 
-  method().setInputSource(cloud);
+  method_->setInputSource(cloud);
   PclCloud aligned;
   const Pose T_middle_guess = T_target_middle_.inverse() * T_target_source_guess;
-  method().align(aligned, T_middle_guess.matrix().cast<float>());
-  const Eigen::Matrix4f matrix = method().getFinalTransformation();
+  method_->align(aligned, T_middle_guess.matrix().cast<float>());
+  const Eigen::Matrix4f matrix = method_->getFinalTransformation();
   if (!matrix.allFinite()) return result;
 
   const Pose T_middle_source = Pose::from_matrix(matrix.cast<double>());
   result =
-      evaluate_fit(*method().getSearchMethodTarget(), *cloud, T_middle_source, fitness_max_range_);
+      evaluate_fit(*method_->getSearchMethodTarget(), *cloud, T_middle_source, fitness_max_range_);
   result.T_target_source = T_target_middle_ * T_middle_source;
-  const Outcome outcome = this->outcome();
+  const Outcome outcome = outcome_();
   result.converged = outcome.converged;
   result.iterations = outcome.iterations;
   return result;

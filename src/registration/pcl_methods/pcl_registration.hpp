@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include <pcl/registration/registration.h>
@@ -11,26 +12,25 @@
 
 namespace lidar_mapping::registration {
 
-/// Common part of PCL's methods: conversion, refusal of empty clouds, and an own test of
-/// convergence, because PCL reports a search as converged whose iterations ran out.
+/// A method of PCL with what all of them need: conversion, refusal of empty clouds, and an own test
+/// of convergence, because PCL reports a search as converged whose iterations ran out.
 class PclRegistration : public Registration {
  public:
-  void set_target(const PointCloud& target) final;
-  RegistrationResult align(const PointCloud& source, const Pose& T_target_source_guess) final;
-
- protected:
   using PclMethod = pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>;
   struct Outcome {
     bool converged = false;
     int iterations = 0;
   };
-  explicit PclRegistration(double fitness_max_range) : fitness_max_range_(fitness_max_range) {}
+  /// `outcome` tells that of the last call of method->align().
+  PclRegistration(std::shared_ptr<PclMethod> method, std::function<Outcome()> outcome,
+                  double fitness_max_range);
+
+  void set_target(const PointCloud& target) override;
+  RegistrationResult align(const PointCloud& source, const Pose& T_target_source_guess) override;
 
  private:
-  virtual PclMethod& method() = 0;
-  /// Of the last call of method().align().
-  virtual Outcome outcome() = 0;
-
+  std::shared_ptr<PclMethod> method_;
+  std::function<Outcome()> outcome_;
   double fitness_max_range_;
   bool has_target_ = false;
   /// PCL's methods turn about the target's origin, in single precision: it is moved to the middle.
