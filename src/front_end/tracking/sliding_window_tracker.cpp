@@ -61,10 +61,12 @@ Covariance6 covariance_of(const Matrix6d& hessian) {
 SlidingWindowTracker::SlidingWindowTracker(const FrontEndConfig& config)
     : config_(config),
       rule_{config.key_frame_distance, config.key_frame_angle, 0.0},
-      matcher_(config) {}
+      registration_(registration::make_registration(config.registration)),
+      window_(static_cast<std::size_t>(config.local_frame_num),
+              config.local_map_filter_resolution) {}
 
 TrackedScan SlidingWindowTracker::track(const Scan& scan, const MotionPrior& prior) {
-  if (matcher_.empty()) return start(scan, prior);
+  if (window_.empty()) return start(scan, prior);
   timer_.start("sampling");
   const double seconds = to_seconds(scan.stamp - stamp_);
   step_origin_.advance(seconds);
@@ -143,12 +145,28 @@ void SlidingWindowTracker::predict_twist(const MotionPrior& prior) {
   }
 }
 
+SlidingWindowTracker::Match SlidingWindowTracker::match_from(const Pose& T_odom_base_start,
+                                                             const PointCloud& sample) {
+  const Pose& T_odom_target = window_.newest_pose();
+  Match match;
+  match.result = registration_->align(sample, T_odom_target.inverse() * T_odom_base_start);
+  match.result.T_target_source = T_odom_target * match.result.T_target_source;
+  return match;
+}
+
 SlidingWindowTracker::Match SlidingWindowTracker::match_scan(const PointCloud& sample,
                                                              const Pose& predicted,
                                                              double seconds) {
-  Match match = matcher_.match(sample, predicted);
-  if (speed_known_ && match.result.inlier_fraction >= kLostInliers) return match;
-  return matcher_.best_of(std::move(match), sample, other_starts(seconds));
+  Match best = match_from(predicted, sample);
+  if (speed_known_ && best.result.inlier_fraction >= kLostInliers) return best;
+  for (const Pose& start : other_starts(seconds)) {
+    Match other = match_from(start, sample);
+    if (other.result.inlier_fraction > best.result.inlier_fraction) {
+      best = std::move(other);
+      best.rescued = true;
+    }
+  }
+  return best;
 }
 
 /// The pose at rest and, if the speed is not known, poses ahead.
@@ -217,28 +235,31 @@ void SlidingWindowTracker::update_unobserved_travel(const FrontEndStatus& status
 /// Discards the window if tracking has been lost for too long.
 void SlidingWindowTracker::update_window(const PointCloud& cloud, TrackedScan& tracked) {
   if (to_seconds(stamp_ - tracked_stamp_) > config_.max_lost_time) {
-    matcher_.clear();
+    window_.clear();
     tracked.new_segment = true;
   }
   if (key_frame_due(tracked)) insert_key_frame(cloud);
 }
 
 bool SlidingWindowTracker::key_frame_due(const TrackedScan& tracked) const {
-  if (matcher_.empty()) return true;
+  if (window_.empty()) return true;
   if (tracked.status.state == TrackingState::kLost ||
       tracked.status.state == TrackingState::kDegraded) {
     return false;
   }
-  return rule_.motion_reached(matcher_.newest_pose().inverse() * tracked.T_odom_base);
+  return rule_.motion_reached(window_.newest_pose().inverse() * tracked.T_odom_base);
 }
 
+/// The target is relative to the newest key frame, so that single precision is sufficient far from
+/// the start.
 void SlidingWindowTracker::insert_key_frame(PointCloud cloud) {
   tracked_stamp_ = stamp_;
-  matcher_.insert(T_odom_base_, std::move(cloud));
+  window_.push(T_odom_base_, std::move(cloud));
+  registration_->set_target(window_.joint_cloud(T_odom_base_.inverse()));
 }
 
 void SlidingWindowTracker::restart() {
-  matcher_.clear();
+  window_.clear();
   T_odom_base_ = Pose::Identity();
   twist_.setZero();
   sweep_twist_.setZero();

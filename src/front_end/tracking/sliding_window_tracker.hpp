@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "lidar_mapping/front_end/step_timer.hpp"
+#include "lidar_mapping/registration/registration.hpp"
 
 #include "judgement/step_belief.hpp"
 #include "judgement/step_origin.hpp"
 #include "key_frame_rule.hpp"
-#include "matching/window_matcher.hpp"
+#include "local_map/key_frame_window.hpp"
 #include "motion/unobserved_travel.hpp"
 #include "tracking/tracker.hpp"
 
@@ -25,13 +27,18 @@ class SlidingWindowTracker : public Tracker {
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void restart() override;
-  PointCloud local_map() const override { return matcher_.cloud(); }
+  PointCloud local_map() const override { return window_.joint_cloud(Pose::Identity()); }
 
  private:
-  using Match = WindowMatcher::Match;
+  /// The result from the best of several starting poses; T_target_source is T_odom_base.
+  struct Match {
+    registration::RegistrationResult result;
+    bool rescued = false;
+  };
 
   TrackedScan start(const Scan& scan, const MotionPrior& prior);
   void predict_twist(const MotionPrior& prior);
+  Match match_from(const Pose& T_odom_base_start, const PointCloud& sample);
   Match match_scan(const PointCloud& sample, const Pose& predicted, double seconds);
   std::vector<Pose> other_starts(double seconds) const;
   TrackedScan evaluate(const Match& match, const Pose& predicted, double seconds) const;
@@ -47,7 +54,8 @@ class SlidingWindowTracker : public Tracker {
 
   const FrontEndConfig config_;
   KeyFrameRule rule_;
-  WindowMatcher matcher_;
+  std::unique_ptr<registration::Registration> registration_;
+  KeyFrameWindow window_;
   UnobservedTravel unobserved_travel_;
   DoubtState doubt_;
   StepOrigin step_origin_;
