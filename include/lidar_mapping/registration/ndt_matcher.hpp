@@ -131,7 +131,7 @@ class NdtMatcher {
                              const MotionState& state, const NdtOptions& options);
 
  private:
-  class Impl;
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

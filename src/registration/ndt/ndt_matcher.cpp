@@ -139,82 +139,13 @@ Vector12d difference(const MotionState& a, const MotionState& b) {
   return d;
 }
 
-class NdtMatcher::Impl {
- public:
-  NdtMatch match(const NdtPoints& points, GaussianVoxelMap& map, const MotionBelief& prior,
-                 const MotionState& start, const NdtOptions& options) {
-    begin(points, options);
-    NdtMatch match;
-    match.state = start;
-    const double final_kernel = options.kernel * options.kernel;
-    double kernel = final_kernel * options.kernel_widening;
-    NormalEquations sum;
-    Eigen::Matrix3d R_map_sensor;
-    while (match.iterations < options.max_iterations && !match.converged) {
-      ++match.iterations;
-      R_map_sensor = match.state.T_map_sensor.rotation_matrix();
-      sum = normal_equations(points, map, match.state, kernel);
-      marginalise_out(options.blind_directions, sum);
-      match.points_information = options.data_weight * sum.hessian;
-      match.information = match.points_information + prior.information;
-      const Vector12d gradient = options.data_weight * sum.gradient +
-                                 prior.information * difference(prior.state, match.state);
-      const Vector12d step = -match.information.ldlt().solve(gradient);
-      if (!step.allFinite()) break;
-      match.state = perturbed(match.state, step);
-      match.excursion = std::max(match.excursion, distance(start, match.state));
-      match.converged = kernel <= final_kernel &&
-                        step.head<3>().norm() < options.translation_epsilon &&
-                        step.segment<3>(3).norm() < options.rotation_epsilon;
-      kernel = std::max(final_kernel, kernel / options.kernel_fall);
-    }
-    match.pose_hessian = sum.pose_hessian;
-    write_figures(sum.fit, points.size(), match);
-    if (options.parts) {
-      match.slices = slices_;
-      match.parts = parts_.of(points, rotated_, neighbors_.planes(0),
-                              static_cast<float>(final_kernel), R_map_sensor);
-    }
-    return match;
-  }
-
-  NdtMatch evaluate(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state,
-                    const NdtOptions& options) {
-    begin(points, options);
-    NdtMatch match;
-    match.state = state;
-    const SweepMotion motion = locate(points, map, state);
-    const NdtPoints::Slice all{0, points.padded_size(), 0.0F};
-    FitSums sum;
-    for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
-      sum.add(
-          slice_sums(all, neighbor, motion, static_cast<float>(options.kernel * options.kernel)));
-    }
-    write_figures(sum, points.size(), match);
-    return match;
-  }
-
-  std::vector<float> weights(const NdtPoints& points, GaussianVoxelMap& map,
-                             const MotionState& state, const NdtOptions& options) {
-    begin(points, options);
-    locate(points, map, state);
-    std::vector<float> weights(points.padded_size(), kNoPlane);
-    for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
-      const PlaneArrays& planes = neighbors_.planes(neighbor);
-      for (std::size_t i = 0; i < weights.size(); ++i) {
-        weights[i] =
-            std::max(weights[i], weight_of(rotated_.position(i), planes, i, options.kernel));
-      }
-    }
-    return weights;
-  }
-
- private:
+/// What is kept between calls, and the steps of a search.
+struct NdtMatcher::Impl {
   void begin(const NdtPoints& points, const NdtOptions& options) {
     const std::size_t size = points.padded_size();
-    for (auto* array : {&rotated_.x, &rotated_.y, &rotated_.z}) array->resize(size);
-    cells_.resize(size);
-    neighbors_.begin(size, options.neighbor_search);
+    for (auto* array : {&rotated.x, &rotated.y, &rotated.z}) array->resize(size);
+    cells.resize(size);
+    neighbors.begin(size, options.neighbor_search);
   }
 
   /// Points to where they are in the map, and their planes.
@@ -222,15 +153,14 @@ class NdtMatcher::Impl {
     const SweepMotion motion = sweep_motion(state, map.origin());
     const SweepArrays arrays{points.x().data(), points.y().data(), points.z().data(),
                              points.s().data()};
-    kernels_.locate(motion, static_cast<float>(1.0 / map.resolution()), arrays,
-                    points.padded_size(), rotated_.x.data(), rotated_.y.data(), rotated_.z.data(),
-                    cells_.data());
-    rotated_.translation = Eigen::Map<const Eigen::Vector3f>(motion.translation);
-    rotated_.viewpoint = points.viewpoint();
-    if (rotated_.viewpoint) {
-      rotated_.viewpoint = state.T_map_sensor.rotation.cast<float>() * *points.viewpoint();
+    kernels.locate(motion, static_cast<float>(1.0 / map.resolution()), arrays, points.padded_size(),
+                   rotated.x.data(), rotated.y.data(), rotated.z.data(), cells.data());
+    rotated.translation = Eigen::Map<const Eigen::Vector3f>(motion.translation);
+    rotated.viewpoint = points.viewpoint();
+    if (rotated.viewpoint) {
+      rotated.viewpoint = state.T_map_sensor.rotation.cast<float>() * *points.viewpoint();
     }
-    neighbors_.update(cells_, rotated_, map);
+    neighbors.update(cells, rotated, map);
     return motion;
   }
 
@@ -239,11 +169,11 @@ class NdtMatcher::Impl {
     const SweepMotion motion = locate(points, map, state);
     const Eigen::Matrix3d R = state.T_map_sensor.rotation_matrix();
     NormalEquations sum;
-    slices_.clear();
+    slices.clear();
     for (const NdtPoints::Slice& slice : points.slices()) {
-      NdtSlice& equations = slices_.emplace_back();
+      NdtSlice& equations = slices.emplace_back();
       equations.time = slice.time;
-      for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
+      for (std::size_t neighbor = 0; neighbor < neighbors.count(); ++neighbor) {
         const NdtSums sums =
             slice_sums(slice, neighbor, motion, static_cast<float>(kernel_squared));
         add(part_of(sums, R), equations.part);
@@ -256,21 +186,21 @@ class NdtMatcher::Impl {
 
   NdtSums slice_sums(const NdtPoints::Slice& slice, std::size_t neighbor, const SweepMotion& motion,
                      float kernel_squared) const {
-    const PlaneArrays& planes = neighbors_.planes(neighbor);
+    const PlaneArrays& planes = neighbors.planes(neighbor);
     const std::size_t i = slice.begin;
     const float* const arrays[4] = {&planes.x[i], &planes.y[i], &planes.z[i], &planes.offset[i]};
     NdtSums sums{};
-    kernels_.accumulate(&rotated_.x[i], &rotated_.y[i], &rotated_.z[i], arrays, motion.translation,
-                        kernel_squared, slice.end - slice.begin, &sums);
+    kernels.accumulate(&rotated.x[i], &rotated.y[i], &rotated.z[i], arrays, motion.translation,
+                       kernel_squared, slice.end - slice.begin, &sums);
     return sums;
   }
 
-  const NdtKernels& kernels_ = ndt_kernels();
-  RotatedPoints rotated_;
-  std::vector<std::int32_t> cells_;
-  NdtNeighbors neighbors_;
-  NdtParts parts_;
-  std::vector<NdtSlice> slices_;  ///< of the last normal equations
+  const NdtKernels& kernels = ndt_kernels();
+  RotatedPoints rotated;
+  std::vector<std::int32_t> cells;
+  NdtNeighbors neighbors;
+  NdtParts parts;
+  std::vector<NdtSlice> slices;  ///< of the last normal equations
 };
 
 NdtMatcher::NdtMatcher() : impl_(std::make_unique<Impl>()) {}
@@ -279,17 +209,70 @@ NdtMatcher::~NdtMatcher() = default;
 NdtMatch NdtMatcher::match(const NdtPoints& points, GaussianVoxelMap& map,
                            const MotionBelief& prior, const MotionState& start,
                            const NdtOptions& options) {
-  return impl_->match(points, map, prior, start, options);
+  impl_->begin(points, options);
+  NdtMatch match;
+  match.state = start;
+  const double final_kernel = options.kernel * options.kernel;
+  double kernel = final_kernel * options.kernel_widening;
+  NormalEquations sum;
+  Eigen::Matrix3d R_map_sensor;
+  while (match.iterations < options.max_iterations && !match.converged) {
+    ++match.iterations;
+    R_map_sensor = match.state.T_map_sensor.rotation_matrix();
+    sum = impl_->normal_equations(points, map, match.state, kernel);
+    marginalise_out(options.blind_directions, sum);
+    match.points_information = options.data_weight * sum.hessian;
+    match.information = match.points_information + prior.information;
+    const Vector12d gradient = options.data_weight * sum.gradient +
+                               prior.information * difference(prior.state, match.state);
+    const Vector12d step = -match.information.ldlt().solve(gradient);
+    if (!step.allFinite()) break;
+    match.state = perturbed(match.state, step);
+    match.excursion = std::max(match.excursion, distance(start, match.state));
+    match.converged = kernel <= final_kernel &&
+                      step.head<3>().norm() < options.translation_epsilon &&
+                      step.segment<3>(3).norm() < options.rotation_epsilon;
+    kernel = std::max(final_kernel, kernel / options.kernel_fall);
+  }
+  match.pose_hessian = sum.pose_hessian;
+  write_figures(sum.fit, points.size(), match);
+  if (options.parts) {
+    match.slices = impl_->slices;
+    match.parts = impl_->parts.of(points, impl_->rotated, impl_->neighbors.planes(0),
+                                  static_cast<float>(final_kernel), R_map_sensor);
+  }
+  return match;
 }
 
 NdtMatch NdtMatcher::evaluate(const NdtPoints& points, GaussianVoxelMap& map,
                               const MotionState& state, const NdtOptions& options) {
-  return impl_->evaluate(points, map, state, options);
+  impl_->begin(points, options);
+  NdtMatch match;
+  match.state = state;
+  const SweepMotion motion = impl_->locate(points, map, state);
+  const NdtPoints::Slice all{0, points.padded_size(), 0.0F};
+  FitSums sum;
+  for (std::size_t neighbor = 0; neighbor < impl_->neighbors.count(); ++neighbor) {
+    sum.add(impl_->slice_sums(all, neighbor, motion,
+                              static_cast<float>(options.kernel * options.kernel)));
+  }
+  write_figures(sum, points.size(), match);
+  return match;
 }
 
 std::vector<float> NdtMatcher::weights(const NdtPoints& points, GaussianVoxelMap& map,
                                        const MotionState& state, const NdtOptions& options) {
-  return impl_->weights(points, map, state, options);
+  impl_->begin(points, options);
+  impl_->locate(points, map, state);
+  std::vector<float> weights(points.padded_size(), kNoPlane);
+  for (std::size_t neighbor = 0; neighbor < impl_->neighbors.count(); ++neighbor) {
+    const PlaneArrays& planes = impl_->neighbors.planes(neighbor);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      weights[i] =
+          std::max(weights[i], weight_of(impl_->rotated.position(i), planes, i, options.kernel));
+    }
+  }
+  return weights;
 }
 
 }  // namespace lidar_mapping::registration
