@@ -18,9 +18,14 @@ struct KeyFrameRule {
   }
   /// True if the motion from the last key frame to the present pose reaches one of the limits, or
   /// the time between them the interval.
-  bool reached(const Pose& T_last_now, Stamp elapsed) const;
+  bool reached(const Pose& T_last_now, Stamp elapsed) const {
+    return motion_reached(T_last_now) || (interval > 0.0 && to_seconds(elapsed) >= interval);
+  }
   /// The same without regard to the time.
-  bool motion_reached(const Pose& T_last_now) const;
+  bool motion_reached(const Pose& T_last_now) const {
+    return T_last_now.translation.norm() >= distance ||
+           rotation_angle(T_last_now.rotation) >= angle;
+  }
 };
 
 }  // namespace lidar_mapping::front_end

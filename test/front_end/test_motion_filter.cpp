@@ -92,7 +92,7 @@ TEST(MotionFilter, CovarianceStaysValid) {
   for (int i = 0; i < 200; ++i) {
     filter.predict(step(engine));
     filter.measure_rate({0.1, 0.0, 0.2}, 0.1);
-    filter.measure_velocity_along(Eigen::Vector3d(0.6, 0.8, 0.0), 3.0, 0.1);
+    filter.measure_velocity({1.8, 2.4, 0.0}, 0.1);
     const Covariance6 covariance =
         pose_covariance(filter.covariance(), filter.state().twist, -0.05);
     ASSERT_TRUE(is_valid_covariance(0.5 * (covariance + covariance.transpose()))) << i;

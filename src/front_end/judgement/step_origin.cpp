@@ -15,11 +15,6 @@ constexpr double kNewMapAngle = 0.02;     // rad
 
 }  // namespace
 
-PoseEstimate estimate_of(const TrackedScan& tracked) {
-  return {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor,
-          tracked.sweep_covariance};
-}
-
 Covariance6 step_covariance(const PoseEstimate& from, const PoseEstimate& to) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
   const double drift = T_from_to.translation.norm() / kNewMapDistance +
@@ -44,7 +39,7 @@ void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidenc
 
 void StepOrigin::update(const TrackedScan& tracked) {
   if (!claims_pose(tracked.status.state) && !tracked.new_segment) return;
-  estimate_ = estimate_of(tracked);
+  estimate_ = tracked;
   elapsed_ = 0.0;
 }
 

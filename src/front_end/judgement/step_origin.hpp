@@ -8,16 +8,6 @@
 
 namespace lidar_mapping::front_end {
 
-/// A pose with its uncertainty, at the stamp of its scan.
-struct PoseEstimate {
-  Pose T_odom_base;
-  Covariance6 covariance = Covariance6::Zero();        ///< TrackedScan::covariance
-  double drift_variance_factor = 1.0;                  ///< TrackedScan::drift_variance_factor
-  Covariance6 sweep_covariance = Covariance6::Zero();  ///< TrackedScan::sweep_covariance
-};
-
-PoseEstimate estimate_of(const TrackedScan& tracked);
-
 /// Covariance of the motion from one pose to the other, in the axes of the latter.
 Covariance6 step_covariance(const PoseEstimate& from, const PoseEstimate& to);
 

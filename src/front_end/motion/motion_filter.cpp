@@ -189,15 +189,8 @@ void MotionFilter::measure_rate(const Eigen::Vector3d& angular_velocity, double 
 
 void MotionFilter::measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma) {
   for (int axis = 0; axis < 3; ++axis) {
-    measure_velocity_along(Eigen::Vector3d::Unit(axis), linear_velocity[axis], sigma);
+    measure(Vector12d::Unit(6 + axis), linear_velocity[axis] - state_.twist[axis], sigma);
   }
-}
-
-void MotionFilter::measure_velocity_along(const Eigen::Vector3d& direction, double speed,
-                                          double sigma) {
-  Vector12d row = Vector12d::Zero();
-  row.segment<3>(6) = direction;
-  measure(row, speed - direction.dot(state_.twist.head<3>()), sigma);
 }
 
 void MotionFilter::measure_planar_pose(const Pose& pose, double sigma, double angle_sigma) {

@@ -81,8 +81,6 @@ class MotionFilter {
   /// Update with measurements of the twist; `sigma` is the standard deviation of each axis.
   void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);
   void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);
-  /// Only the component along a unit vector in the sensor's axes is measured.
-  void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
   /// Update with the position along the sensor's own x and y, to `sigma` (m), and with the heading
   /// about its z, to `angle_sigma` (rad).
   void measure_planar_pose(const Pose& pose, double sigma, double angle_sigma);

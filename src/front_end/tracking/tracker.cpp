@@ -9,7 +9,7 @@
 namespace lidar_mapping::front_end {
 
 Covariance6 Tracker::covariance_of_step(const TrackedScan& from, const TrackedScan& to) const {
-  return step_covariance(estimate_of(from), estimate_of(to));
+  return step_covariance(from, to);
 }
 
 bool is_sequential_ndt(const FrontEndConfig& config) {

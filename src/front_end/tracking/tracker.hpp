@@ -22,11 +22,9 @@ struct Revision {
   std::vector<Eigen::Vector3d> degenerate_directions;
 };
 
-/// The result of a tracker for one scan. All values refer to the frame of the scans that the
-/// tracker is given, which is the LiDAR's frame (BaseFrame): here it is called `base`, and `odom`
-/// is its first pose.
-struct TrackedScan {
-  Pose T_odom_base;  ///< at the scan's stamp
+/// A pose with its uncertainty, at the stamp of its scan.
+struct PoseEstimate {
+  Pose T_odom_base;
   /// Covariance of T_odom_base relative to the local map, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
   /// Variance of the errors that become different between scans while the sensor moves on, as a
@@ -34,6 +32,12 @@ struct TrackedScan {
   double drift_variance_factor = 1.0;
   /// Covariance of the pose within its sweep, in addition: independent from scan to scan.
   Covariance6 sweep_covariance = Covariance6::Zero();
+};
+
+/// The result of a tracker for one scan. All values refer to the frame of the scans that the
+/// tracker is given, which is the LiDAR's frame (BaseFrame): here it is called `base`, and `odom`
+/// is its first pose.
+struct TrackedScan : PoseEstimate {
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   FrontEndStatus status;
