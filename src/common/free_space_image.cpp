@@ -39,10 +39,6 @@ FreeSpaceImage::Cell FreeSpaceImage::cell_of(const Eigen::Vector3f& p) const {
   return {pixel.row, pixel.column, d.norm()};
 }
 
-bool FreeSpaceImage::has_return(const Cell& cell) const {
-  return !ranges_.empty() && ranges_[cell.row * kColumns + cell.column] != kEmpty;
-}
-
 FreeSpaceImage::Block FreeSpaceImage::block_around(const Cell& cell) const {
   Block block;
   block.nearest = kEmpty;
@@ -61,7 +57,8 @@ FreeSpaceImage::Block FreeSpaceImage::block_around(const Cell& cell) const {
 
 FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vector3f& p) const {
   const Cell cell = cell_of(p);
-  if (!has_return(cell)) return FreeSpaceTest::kUntested;
+  if (ranges_.empty() || ranges_[cell.row * kColumns + cell.column] == kEmpty)
+    return FreeSpaceTest::kUntested;
   const Block block = block_around(cell);
   if (block.returns < kMinReturns) return FreeSpaceTest::kUntested;
   return block.nearest > cell.range + kViolationMargin ? FreeSpaceTest::kViolation
@@ -69,11 +66,7 @@ FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vecto
 }
 
 bool FreeSpaceImage::is_certain_violation(const Eigen::Vector3f& p) const {
-  const Cell cell = cell_of(p);
-  if (!has_return(cell)) return false;
-  const Block block = block_around(cell);
-  return block.returns >= kMinReturns && block.rows == 3 &&
-         block.nearest > cell.range + kViolationMargin;
+  return test_free_space(p) == FreeSpaceTest::kViolation && block_around(cell_of(p)).rows == 3;
 }
 
 }  // namespace lidar_mapping

@@ -44,13 +44,6 @@ struct Equations {
   double error = 0.0;
 };
 
-Equations operator+(Equations a, const Equations& b) {
-  a.hessian += b.hessian;
-  a.gradient += b.gradient;
-  a.error += b.error;
-  return a;
-}
-
 void add(const Pair& pair, const Pose& T, Equations& sum) {
   const Eigen::Vector3d d = T * pair.p_source - pair.mean;
   const Eigen::Matrix3d R = T.rotation_matrix();
@@ -69,7 +62,11 @@ Equations equations_of(const std::vector<Pair>& pairs, const Pose& T, int thread
     for (std::size_t i = begin; i < end; ++i) add(pairs[i], T, chunks[begin / kGrain]);
   });
   Equations sum;
-  for (const Equations& chunk : chunks) sum = sum + chunk;
+  for (const Equations& chunk : chunks) {
+    sum.hessian += chunk.hessian;
+    sum.gradient += chunk.gradient;
+    sum.error += chunk.error;
+  }
   return sum;
 }
 

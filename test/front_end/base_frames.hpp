@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "lidar_mapping/common/rotations.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/front_end/prior_of.hpp"
@@ -55,10 +56,8 @@ struct OtherBase {
 /// A base_link that is displaced (m) and then turned about z, y and x (degrees).
 inline OtherBase other_base(std::string name, const Eigen::Vector3d& at, double yaw_deg,
                             double pitch_deg, double roll_deg) {
-  const Eigen::AngleAxisd yaw(yaw_deg * kRadPerDeg, Eigen::Vector3d::UnitZ());
-  const Eigen::AngleAxisd pitch(pitch_deg * kRadPerDeg, Eigen::Vector3d::UnitY());
-  const Eigen::AngleAxisd roll(roll_deg * kRadPerDeg, Eigen::Vector3d::UnitX());
-  return {std::move(name), Pose{Eigen::Quaterniond(yaw * pitch * roll), at}};
+  return {std::move(name),
+          pose_from_degrees({at.x(), at.y(), at.z(), roll_deg, pitch_deg, yaw_deg})};
 }
 
 /// Poses of the LiDAR relative to its first one, and how many scans were lost or became key frames.

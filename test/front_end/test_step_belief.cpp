@@ -61,15 +61,18 @@ TEST(StepEvidence, IsSmallIfTheHalvesAgree) {
 }
 
 TEST(StepEvidence, HasTheStandardDeviationOfTheStep) {
-  PoseEstimate from, to;
+  TrackedScan from, to;
   from.covariance = to.covariance = diagonal_covariance(0.1, 0.01);
+  StepOrigin origin;
+  origin.update(from);
+  origin.advance(0.4);
   StepEvidence evidence;
-  set_step(from, to, 0.4, evidence);
+  origin.set_step_to(to, evidence);
   EXPECT_EQ(evidence.seconds, 0.4);
   // Both see the same part of the map, three axes each.
   EXPECT_NEAR(evidence.sigma, std::sqrt(2.0 * 0.3 * 3.0) * 0.1, 1e-6);
   to.T_odom_base.translation.x() = 3.0;
-  set_step(from, to, 0.4, evidence);
+  origin.set_step_to(to, evidence);
   EXPECT_GT(evidence.sigma, std::sqrt(2.0 * 2.3 * 3.0) * 0.1) << "other parts of it";
 }
 

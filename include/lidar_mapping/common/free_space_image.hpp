@@ -43,7 +43,6 @@ class FreeSpaceImage {
     int rows = 0;          ///< rows that have one
   };
   Cell cell_of(const Eigen::Vector3f& p) const;
-  bool has_return(const Cell& cell) const;
   Block block_around(const Cell& cell) const;
 
   Eigen::Vector3f sensor_ = Eigen::Vector3f::Zero();

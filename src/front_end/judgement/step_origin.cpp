@@ -25,16 +25,11 @@ Covariance6 step_covariance(const PoseEstimate& from, const PoseEstimate& to) {
          compose_covariance(from.sweep_covariance, T_from_to, to.sweep_covariance);
 }
 
-void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
-              StepEvidence& evidence) {
-  const Covariance6 covariance = step_covariance(from, to);
-  evidence.seconds = seconds;
+void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidence) const {
+  const Covariance6 covariance = step_covariance(estimate_, estimate);
+  evidence.seconds = elapsed_;
   evidence.sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
-}
-
-void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidence) const {
-  set_step(estimate_, estimate, elapsed_, evidence);
 }
 
 void StepOrigin::update(const TrackedScan& tracked) {
