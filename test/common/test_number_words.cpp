@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 
+#include "error_text.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -31,14 +32,10 @@ TEST(FiniteNumber, RefusesEverythingElse) {
 }
 
 TEST(FiniteNumber, QuotesTheWordAndCutsALongOne) {
-  try {
-    finite_number(std::string(41, 'a') + "end");
-    FAIL();
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("'" + std::string(40, 'a') + "...'"), std::string::npos) << text;
-    EXPECT_EQ(text.find("end"), std::string::npos) << text;
-  }
+  const std::string text =
+      test::error_text<InputError>([] { finite_number(std::string(41, 'a') + "end"); });
+  EXPECT_NE(text.find("'" + std::string(40, 'a') + "...'"), std::string::npos) << text;
+  EXPECT_EQ(text.find("end"), std::string::npos) << text;
 }
 
 TEST(Coordinate, IsAPlaceOnEarth) {
@@ -132,12 +129,8 @@ TEST_F(ReadNumbers, TakesAnyWhiteSpaceBetweenThem) {
 }
 
 TEST_F(ReadNumbers, NamesFileAndLineOfAWordThatIsNone) {
-  try {
-    read("1 2\n3 four\n");
-    FAIL();
-  } catch (const FileError& error) {
-    EXPECT_EQ(std::string(error.what()), path_.string() + ":2: 'four' is no finite number");
-  }
+  EXPECT_EQ(test::error_text<FileError>([&] { read("1 2\n3 four\n"); }),
+            path_.string() + ":2: 'four' is no finite number");
   EXPECT_THROW(read_numbers(folder_.path() / "missing.txt"), FileError);
 }
 

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "error_text.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -19,6 +20,10 @@ class TrajectoryFile : public testing::Test {
   Trajectory read(const std::string& text) {
     std::ofstream(path_) << text;
     return read_trajectory(path_);
+  }
+  /// What is wrong with a file; empty if nothing is.
+  std::string problem(const std::string& text) {
+    return test::error_text<InputError>([&] { read(text); });
   }
   const test::TemporaryFolder folder_;
   const std::string path_ = (folder_.path() / "trajectory.txt").string();
@@ -80,12 +85,8 @@ TEST_F(TrajectoryFile, IsReadInTheOrderOfItsStamps) {
 }
 
 TEST_F(TrajectoryFile, NamesTheMalformedLine) {
-  try {
-    read("1.0 0 0 0 0 0 0 1\n2.0 0 0\n");
-    FAIL() << "a line of three numbers was read";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find(":2: expected 8 numbers"), std::string::npos);
-  }
+  EXPECT_NE(problem("1.0 0 0 0 0 0 0 1\n2.0 0 0\n").find(":2: expected 8 numbers"),
+            std::string::npos);
 }
 
 TEST(Trajectory, SaysWhichFileIsMissing) {
@@ -93,7 +94,7 @@ TEST(Trajectory, SaysWhichFileIsMissing) {
 }
 
 // Of what no vehicle can have been at: nan, inf, beyond the Moon, no rotation.
-TEST(TrajectoryTest, RefusesNonsenseWithFileAndLine) {
+TEST_F(TrajectoryFile, RefusesNonsenseWithFileAndLine) {
   const std::string good_tum = "100.5 1 2 3 0 0 0 1\n";
   const std::string good_kitti = "1 0 0 5 0 1 0 6 0 0 1 7\n";
   const std::string bad[] = {good_tum + "101 nan 2 3 0 0 0 1\n",
@@ -110,16 +111,8 @@ TEST(TrajectoryTest, RefusesNonsenseWithFileAndLine) {
                              good_kitti + "1 0 0 nan 0 1 0 6 0 0 1 7\n",
                              good_kitti + "1 0 0 5 0 1 0 6 0 0 7 7\n",
                              good_kitti + "1 0 0 5 0 1 0 6 0 0 -1 7\n"};
-  const test::TemporaryFolder folder;
-  const std::string path = (folder.path() / "poses.txt").string();
   for (const std::string& text : bad) {
-    std::ofstream(path) << text;
-    try {
-      read_trajectory(path);
-      ADD_FAILURE() << text;
-    } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).rfind(path + ":2: ", 0), 0U) << error.what();
-    }
+    EXPECT_EQ(problem(text).rfind(path_ + ":2: ", 0), 0U) << text << problem(text);
   }
 }
 
