@@ -13,8 +13,6 @@ namespace {
 
 using registration::kNdtParts;
 using registration::kNdtSectors;
-using registration::NdtMatch;
-using registration::NdtPart;
 
 /// Ways to divide the scan into two halves; each function tells whether a part belongs to the first
 /// half. Left and right, ahead and behind, every other sector, near and far.
@@ -26,7 +24,7 @@ constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part < kNdtSectors; }};
 
 /// Weight of a residual, so that a part of a scan counts as it did in the match.
-const double kDataWeight = registration::NdtOptions{}.data_weight;
+const double kDataWeight = NdtOptions{}.data_weight;
 
 struct Half {
   Vector6d step = Vector6d::Zero();
@@ -88,12 +86,12 @@ double pair_quality(const NdtMatch& match) {
 
 double Innovation::sigmas() const { return length_in_sigmas(step, covariance); }
 
-Innovation innovation_of(const NdtMatch& match, const registration::MotionBelief& prediction) {
+Innovation innovation_of(const NdtMatch& match, const MotionBelief& prediction) {
   return {difference(prediction.state.T_map_sensor, match.state.T_map_sensor),
           prediction.information.inverse().topLeftCorner<6, 6>()};
 }
 
-StepEvidence evidence_of(const NdtMatch& match, const registration::MotionBelief& prediction) {
+StepEvidence evidence_of(const NdtMatch& match, const MotionBelief& prediction) {
   StepEvidence evidence;
   evidence.overlap = match.overlap;
   evidence.pair_quality = pair_quality(match);

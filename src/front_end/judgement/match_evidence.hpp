@@ -2,12 +2,13 @@
 #pragma once
 
 #include "lidar_mapping/front_end/step_evidence.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+#include "matching/ndt_types.hpp"
 
 namespace lidar_mapping::front_end {
 
 /// Mean weight of the pairs; 0 if there are none.
-double pair_quality(const registration::NdtMatch& match);
+double pair_quality(const NdtMatch& match);
 
 /// Step from the predicted pose to that of the match.
 struct Innovation {
@@ -17,13 +18,11 @@ struct Innovation {
   /// Length of the step in standard deviations of the prediction.
   double sigmas() const;
 };
-Innovation innovation_of(const registration::NdtMatch& match,
-                         const registration::MotionBelief& prediction);
+Innovation innovation_of(const NdtMatch& match, const MotionBelief& prediction);
 
 /// The evidence that follows from the match alone: all fields of StepEvidence but `points`,
 /// `rescued` and those of the step (`seconds`, `sigma`, `sigma_angle`, `motion_change`,
 /// `sweep_gap`, `turn`). `prediction` is the belief before the match.
-StepEvidence evidence_of(const registration::NdtMatch& match,
-                         const registration::MotionBelief& prediction);
+StepEvidence evidence_of(const NdtMatch& match, const MotionBelief& prediction);
 
 }  // namespace lidar_mapping::front_end

@@ -36,24 +36,22 @@ constexpr double kMaxTurnRate = 4.0 * kPi;  // rad/s
 
 }  // namespace
 
-bool MatchJudge::has_usual_pair_quality(const registration::NdtMatch& match) const {
+bool MatchJudge::has_usual_pair_quality(const NdtMatch& match) const {
   return match.overlap > kMinUsualOverlap &&
          pair_quality(match) > kUsualPairQualityFraction * mean_pair_quality_;
 }
 
-bool MatchJudge::is_below(double fraction, const registration::NdtMatch& match) const {
+bool MatchJudge::is_below(double fraction, const NdtMatch& match) const {
   return match.quality < fraction * mean_quality_ && !has_usual_pair_quality(match);
 }
 
-bool MatchJudge::in_doubt(const registration::NdtMatch& match,
-                          const registration::MotionBelief& prediction) const {
+bool MatchJudge::in_doubt(const NdtMatch& match, const MotionBelief& prediction) const {
   return !match.converged || match.quality < kDoubtfulQuality * mean_quality_ ||
          pair_quality(match) < kMinPairQuality ||
          innovation_of(match, prediction).sigmas() > kDoubtfulInnovation;
 }
 
-TrackingState MatchJudge::judge(const registration::NdtMatch& match,
-                                const registration::MotionBelief& prediction) const {
+TrackingState MatchJudge::judge(const NdtMatch& match, const MotionBelief& prediction) const {
   if (match.overlap < kMinOverlap || is_below(kLostQuality, match) ||
       pair_quality(match) < kMinPairQuality || !is_finite(match.state.T_map_sensor) ||
       match.state.twist.head<3>().norm() > max_speed_ ||
@@ -68,7 +66,7 @@ bool MatchJudge::is_possible_motion(const Pose& T_from_to, double seconds) const
          rotation_angle(T_from_to.rotation) <= kMaxTurnRate * seconds;
 }
 
-void MatchJudge::learn(const registration::NdtMatch& match) {
+void MatchJudge::learn(const NdtMatch& match) {
   const bool is_poor = is_below(kPoorQuality, match);
   const auto update = [](double value, double& mean) {
     mean = mean == 0.0 ? value : mean + kLearningRate * (value - mean);

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "lidar_mapping/front_end/front_end_status.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+#include "matching/ndt_types.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -13,23 +14,21 @@ class MatchJudge {
   explicit MatchJudge(double max_speed) : max_speed_(max_speed) {}
 
   /// True if more starting poses should be tried.
-  bool in_doubt(const registration::NdtMatch& match,
-                const registration::MotionBelief& prediction) const;
+  bool in_doubt(const NdtMatch& match, const MotionBelief& prediction) const;
   /// kTracking, kDegraded or kLost.
-  TrackingState judge(const registration::NdtMatch& match,
-                      const registration::MotionBelief& prediction) const;
+  TrackingState judge(const NdtMatch& match, const MotionBelief& prediction) const;
   /// False for a step that no vehicle can make: faster than the maximum speed, or than two turns
   /// per second.
   bool is_possible_motion(const Pose& T_from_to, double seconds) const;
   /// Updates the usual values with an accepted match.
-  void learn(const registration::NdtMatch& match);
+  void learn(const NdtMatch& match);
   void reset() { mean_quality_ = mean_pair_quality_ = 0.0; }
 
  private:
-  bool has_usual_pair_quality(const registration::NdtMatch& match) const;
+  bool has_usual_pair_quality(const NdtMatch& match) const;
   /// True if the quality is less than `fraction` of the usual quality, and this is not only because
   /// the map ends here.
-  bool is_below(double fraction, const registration::NdtMatch& match) const;
+  bool is_below(double fraction, const NdtMatch& match) const;
 
   double max_speed_;
   double mean_quality_ = 0.0;       ///< running mean of NdtMatch::quality

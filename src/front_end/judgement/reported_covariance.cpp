@@ -8,9 +8,6 @@
 
 namespace lidar_mapping::front_end {
 
-using registration::Matrix12d;
-using registration::NdtMatch;
-
 namespace {
 
 /// Weight of the points in the reported covariance, in units of their weight in the filter, if
@@ -49,9 +46,9 @@ double initial_drift_variance_factor(const NdtMatch& match) {
   return kInitialVarianceFactor * std::pow(kSufficientOverlap / overlap, kOverlapExponent);
 }
 
-Matrix12d doubt_covariance(const registration::MotionState& matched,
-                           const registration::MotionBelief& prediction, double probability) {
-  const registration::Vector12d d = difference(matched, prediction.state);
+Matrix12d doubt_covariance(const MotionState& matched, const MotionBelief& prediction,
+                           double probability) {
+  const Vector12d d = difference(matched, prediction.state);
   return (1.0 - probability) * (d * d.transpose() + prediction.information.inverse());
 }
 

@@ -11,8 +11,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-using registration::NdtMatch;
-
 void set_match(const SweepMatcher::Found& found, FrontEndStatus& status) {
   status.converged = found.match.converged;
   status.iterations = found.match.iterations;

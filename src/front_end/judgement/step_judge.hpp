@@ -11,7 +11,7 @@ namespace lidar_mapping::front_end {
 /// The match of a scan, and what is known about how it was found.
 struct StepMatch {
   SweepMatcher::Found found;
-  registration::MotionBelief prior;  ///< the belief before the match
+  MotionBelief prior;  ///< the belief before the match
   /// The position comes from vertical structures, and the points were matched without their
   /// information about it (FalseStandstillRecovery).
   bool is_recovered = false;
@@ -34,7 +34,7 @@ class StepJudge {
   StepBelief judge(const StepMatch& match, const TrackerState& state, const SweepSampler& sweep,
                    double since_matched, FrontEndStatus& status);
   /// Learns the usual quality from an accepted match.
-  void learn(const registration::NdtMatch& match) { match_judge_.learn(match); }
+  void learn(const NdtMatch& match) { match_judge_.learn(match); }
   /// To be called with the result of each scan.
   void finish(const TrackedScan& tracked) { origin_.update(tracked); }
 
@@ -43,8 +43,7 @@ class StepJudge {
  private:
   StepEvidence collect_evidence(const StepMatch& match, const TrackerState& state,
                                 const SweepSampler& sweep, double since_matched) const;
-  bool is_possible(const registration::NdtMatch& match, const TrackerState& state,
-                   double since_matched) const;
+  bool is_possible(const NdtMatch& match, const TrackerState& state, double since_matched) const;
 
   MatchJudge match_judge_;
   DoubtState doubt_;

@@ -88,8 +88,8 @@ ElevationEstimate ElevationMean::value() const {
 
 ElevationCalibration::ElevationCalibration() : map_(1.0, kMapCapacity, wide_plane_model()) {}
 
-void ElevationCalibration::add_scan(const SampledPoints& points,
-                                    const registration::MotionState& state, double voxel_size) {
+void ElevationCalibration::add_scan(const SampledPoints& points, const MotionState& state,
+                                    double voxel_size) {
   compare_pending();
   if (is_converged()) {
     interrupt();

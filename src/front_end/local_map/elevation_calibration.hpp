@@ -3,9 +3,7 @@
 
 #include <deque>
 
-#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
-
+#include "matching/ndt_types.hpp"
 #include "scan/scan_sampler.hpp"
 
 namespace lidar_mapping::front_end {
@@ -45,8 +43,7 @@ class ElevationCalibration {
 
   /// Adds a scan that was inserted into the map: its points, rotated upwards by applied_angle(),
   /// and the state with which they were inserted. `voxel_size` is the voxel size of the map, m.
-  void add_scan(const SampledPoints& points, const registration::MotionState& state,
-                double voxel_size);
+  void add_scan(const SampledPoints& points, const MotionState& state, double voxel_size);
   /// Compares the scan that was added last. This costs more than all other work for a scan, so call
   /// it at a scan with little other work. add_scan() calls it if it was not called before.
   void compare_pending();
@@ -76,7 +73,7 @@ class ElevationCalibration {
 
   std::deque<Frame> frames_;
   bool comparison_pending_ = false;  ///< the last frame has not been compared yet
-  registration::GaussianVoxelMap map_;
+  GaussianVoxelMap map_;
   ElevationMean mean_;
   double accepted_angle_ = 0.0;
   double applied_angle_ = 0.0;

@@ -51,7 +51,7 @@ Eigen::Vector3d elevation_derivative(const Eigen::Vector3d& p) {
 
 /// Residuals are the distances of the points of b to the planes of a, with both rotated by `angle`.
 /// Unknowns: the perturbation of T_a_b, see perturbed(), then the angle.
-NormalEquations normal_equations(const SampledPoints& points, registration::GaussianVoxelMap& map,
+NormalEquations normal_equations(const SampledPoints& points, GaussianVoxelMap& map,
                                  const Pose& T_a_b, double angle, const Iteration& iteration) {
   const std::size_t step = iteration.thinning * (1 + points.size() / kMaxPoints);
   const Eigen::Matrix3d R = T_a_b.rotation_matrix();
@@ -79,8 +79,7 @@ NormalEquations normal_equations(const SampledPoints& points, registration::Gaus
 }  // namespace
 
 std::optional<ElevationEstimate> estimate_elevation(const SampledPoints& points,
-                                                    registration::GaussianVoxelMap& map,
-                                                    const Pose& T_a_b) {
+                                                    GaussianVoxelMap& map, const Pose& T_a_b) {
   Pose pose = T_a_b;
   ElevationEstimate estimate;
   for (const Iteration& iteration : kIterations) {

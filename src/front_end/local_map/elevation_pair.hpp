@@ -12,7 +12,6 @@ namespace lidar_mapping::front_end {
 /// solved for together with the relative pose, starting from `T_a_b`. Returns nothing if the scans
 /// do not determine the angle.
 std::optional<ElevationEstimate> estimate_elevation(const SampledPoints& points,
-                                                    registration::GaussianVoxelMap& map,
-                                                    const Pose& T_a_b);
+                                                    GaussianVoxelMap& map, const Pose& T_a_b);
 
 }  // namespace lidar_mapping::front_end

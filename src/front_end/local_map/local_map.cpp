@@ -26,8 +26,7 @@ constexpr double kAgeingFraction = 1.0 / 64.0;
 /// exact to 0.02 mm.
 constexpr double kOriginStep = 64.0;
 
-void insert_thinned(SampledPoints& points, std::size_t thinning,
-                    registration::GaussianVoxelMap& map) {
+void insert_thinned(SampledPoints& points, std::size_t thinning, GaussianVoxelMap& map) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); i += thinning, ++kept) {
     points.x[kept] = points.x[i];
@@ -40,7 +39,7 @@ void insert_thinned(SampledPoints& points, std::size_t thinning,
 }  // namespace
 
 // The products are written out so that the compiler can vectorise the loop.
-void transform_points(const SampledPoints& points, const registration::MotionState& state,
+void transform_points(const SampledPoints& points, const MotionState& state,
                       const Eigen::Vector3d& origin, SampledPoints& transformed_points) {
   const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
   const Eigen::Vector3f t = (state.T_map_sensor.translation - origin).cast<float>();
@@ -90,7 +89,7 @@ void LocalMap::clear() {
   coarse_.clear();
 }
 
-void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
+void LocalMap::insert(const SampledPoints& points, const MotionState& state) {
   const std::size_t before = fine_.dropped_points() + coarse_.dropped_points();
   transform_points(points, state, fine_.origin(), transformed_points_);
   std::optional<Eigen::Vector3f> viewpoint;

@@ -4,16 +4,15 @@
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
-#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
 
+#include "matching/ndt_types.hpp"
 #include "scan/scan_sampler.hpp"
 
 namespace lidar_mapping::front_end {
 
 /// Transforms each point to where it was measured, relative to `origin`: R p(s) + t. The times of
 /// `transformed_points` are not set.
-void transform_points(const SampledPoints& points, const registration::MotionState& state,
+void transform_points(const SampledPoints& points, const MotionState& state,
                       const Eigen::Vector3d& origin, SampledPoints& transformed_points);
 
 /// The surroundings of the sensor: a fine voxel map for matching and a coarse one for finding the
@@ -33,14 +32,14 @@ class LocalMap {
   double scan_density() const { return scan_density_; }
   bool empty() const { return fine_.size() == 0; }
   /// Inserts points at the sensor's pose at the time of measurement.
-  void insert(const SampledPoints& points, const registration::MotionState& state);
+  void insert(const SampledPoints& points, const MotionState& state);
   /// To be called once per scan: keeps the origin near the sensor and removes what is far away.
   void set_center(const Eigen::Vector3d& position);
 
   /// Number of points, over all insertions, that were not inserted because a table was full.
   std::size_t dropped_points() const { return dropped_points_; }
-  registration::GaussianVoxelMap& fine() { return fine_; }
-  registration::GaussianVoxelMap& coarse() { return coarse_; }
+  GaussianVoxelMap& fine() { return fine_; }
+  GaussianVoxelMap& coarse() { return coarse_; }
   /// One point per voxel of the fine map, in odom.
   PointCloud cloud() const;
 
@@ -49,8 +48,8 @@ class LocalMap {
 
   double radius_;
   double scan_density_ = 1.0;
-  registration::GaussianVoxelMap fine_;
-  registration::GaussianVoxelMap coarse_;
+  GaussianVoxelMap fine_;
+  GaussianVoxelMap coarse_;
   SampledPoints transformed_points_;
   std::size_t dropped_points_ = 0;
 };

@@ -57,17 +57,17 @@ double indoor_voxel_scale(const Scan& scan) {
 
 /// Prior of a motion that was found with large voxels: their errors (0.1 m, 0.02 rad), and twists
 /// that stay as they are. Chosen above what steps in young maps are off by.
-registration::MotionBelief young_motion(const MotionState& motion) {
-  registration::MotionBelief belief{motion, Matrix12d::Zero()};
+MotionBelief young_motion(const MotionState& motion) {
+  MotionBelief belief{motion, Matrix12d::Zero()};
   belief.information.diagonal() << Eigen::Vector3d::Constant(1.0 / (0.1 * 0.1)),
       Eigen::Vector3d::Constant(1.0 / (0.02 * 0.02)), Vector6d::Constant(1e4);
   return belief;
 }
 
 /// The motion with which the points fit to the map.
-MotionState matched(const SampledPoints& points, const MotionState& motion,
-                    registration::NdtMatcher& matcher, LocalMap& map) {
-  registration::NdtPoints all, some;
+MotionState matched(const SampledPoints& points, const MotionState& motion, NdtMatcher& matcher,
+                    LocalMap& map) {
+  NdtPoints all, some;
   all.assign(points.x, points.y, points.z, points.s, points.viewpoint);
   some.assign_thinned(all, kRefinementThinning);
   const auto match = matcher.match(some, map.fine(), young_motion(motion), motion, {});
@@ -157,7 +157,7 @@ void LocalMapper::refine_when_filled(InsertedScan scan, LocalMap& map) {
   young_scans_.push_back(std::move(scan));
   if (young_scans_.size() < kScansOfYoungMap) return;
   map.restart(kIndoorVoxelScale * voxel_size_);
-  registration::NdtMatcher matcher;
+  NdtMatcher matcher;
   for (auto young = young_scans_.rbegin(); young != young_scans_.rend(); ++young) {
     if (young != young_scans_.rbegin())
       young->motion = matched(young->points, young->motion, matcher, map);

@@ -58,13 +58,12 @@ class LocalMapper {
   /// Dense points of a scan, and the motion with which they were inserted.
   struct InsertedScan {
     SampledPoints points;
-    registration::MotionState motion;
+    MotionState motion;
   };
 
   void insert_points(const Scan& scan, const SampledPoints& dense, SweepSampler& sweep,
                      TrackerState& state);
-  void insert_at(const registration::MotionState& motion, const SampledPoints& points,
-                 LocalMap& map) const;
+  void insert_at(const MotionState& motion, const SampledPoints& points, LocalMap& map) const;
   void refine_when_filled(InsertedScan scan, LocalMap& map);
 
   double voxel_size_;

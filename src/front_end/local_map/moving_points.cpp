@@ -13,8 +13,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-using registration::MotionState;
-
 /// A view is kept every so many metres. Chosen: a truck that drives alongside has then moved on by
 /// more than the margin of a FreeSpaceImage.
 constexpr double kViewDistance = 5.0;

@@ -4,8 +4,8 @@
 #include <deque>
 
 #include "lidar_mapping/common/free_space_image.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
 
+#include "matching/ndt_types.hpp"
 #include "scan/scan_sampler.hpp"
 
 namespace lidar_mapping::front_end {
@@ -18,10 +18,10 @@ class MovingPointFinder {
   /// Removes all views: the poses that follow belong to another map.
   void clear() { views_.clear(); }
   /// Keeps what the scan saw as free if the sensor has moved on far enough since the last view.
-  void add_view(const SampledPoints& points, const registration::MotionState& motion);
+  void add_view(const SampledPoints& points, const MotionState& motion);
   /// Marks the points of a scan with this motion that move; empty if they are few, such as those on
   /// a car that passes.
-  PointMarks find(const SampledPoints& points, const registration::MotionState& motion) const;
+  PointMarks find(const SampledPoints& points, const MotionState& motion) const;
 
  private:
   /// A scan, in the axes of the sensor at its reference time.

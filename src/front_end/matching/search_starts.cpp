@@ -12,8 +12,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-using registration::MotionState;
-
 // Search range around a pose: ahead and behind (m), sideways (m), rotated (rad). Chosen: 216 starts
 // bound the time, and their steps are smaller than the convergence basin of a coarse match.
 constexpr double kBehind = 2.4;

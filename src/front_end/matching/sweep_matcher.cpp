@@ -11,12 +11,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-using registration::MotionBelief;
-using registration::MotionState;
-using registration::NdtMatch;
-using registration::NdtOptions;
-using registration::NdtPoints;
-
 // The quick test: a fraction of the points (chosen: 300 points, a small part of a match's time) and
 // a wide kernel (chosen: the start may be some decimetres off). The quality is compared with its
 // running mean; fraction and weight as in match_judge.cpp (kDoubtfulQuality, kLearningRate).

@@ -35,7 +35,7 @@ void DeviationFilter::predict(double seconds) {
   if (seconds > seconds_) advance(seconds - seconds_);
 }
 
-void DeviationFilter::measure(const registration::NdtPart& part, double weight) {
+void DeviationFilter::measure(const NdtPart& part, double weight) {
   const Matrix6d H = weight * part.hessian;
   const Eigen::Matrix<double, kDimension, 6> P_d = P_.leftCols<6>();
   const Matrix6d information =

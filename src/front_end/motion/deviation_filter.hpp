@@ -4,12 +4,10 @@
 #include <optional>
 
 #include "lidar_mapping/common/covariance.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+#include "matching/ndt_types.hpp"
 
 namespace lidar_mapping::front_end {
-
-using registration::Matrix12d;
-using registration::Vector12d;
 
 /// How far a sweep deviates from the motion with the twist of its match: at begin, middle and end,
 /// m and rad in the axes of the middle.
@@ -38,7 +36,7 @@ class DeviationFilter {
   /// Moves on to `seconds` after the middle; back is not possible.
   void predict(double seconds);
   /// Takes the normal equations of the points of a time slice, multiplied by `weight`.
-  void measure(const registration::NdtPart& part, double weight);
+  void measure(const NdtPart& part, double weight);
 
   /// Deviation and its change per second now.
   Vector12d state() const { return x_.head<12>(); }

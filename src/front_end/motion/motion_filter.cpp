@@ -271,6 +271,6 @@ void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {
   covariance_ = rest * covariance_ * rest.transpose() + known;
 }
 
-registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }
+MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }
 
 }  // namespace lidar_mapping::front_end

@@ -5,15 +5,11 @@
 #include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
-#include "lidar_mapping/registration/ndt_matcher.hpp"
 
+#include "matching/ndt_types.hpp"
 #include "motion/twist_predictor.hpp"
 
 namespace lidar_mapping::front_end {
-
-using registration::Matrix12d;
-using registration::MotionState;
-using registration::Vector12d;
 
 /// The pose after moving for `seconds` with a constant twist (in its own axes, m/s and rad/s).
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
@@ -108,7 +104,7 @@ class MotionFilter {
   /// True if the rotation up to the state was measured, not only forecast.
   bool is_rotation_measured() const { return turning_measured_; }
   const Matrix12d& covariance() const { return covariance_; }
-  registration::MotionBelief belief() const;
+  MotionBelief belief() const;
 
  private:
   void apply_forecast(double seconds);

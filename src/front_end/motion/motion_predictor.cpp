@@ -55,8 +55,8 @@ void MotionPredictor::apply_measurements(const MotionPrior& prior, MotionFilter&
   }
 }
 
-registration::MotionBelief MotionPredictor::belief_with_velocity(const MotionPrior& prior,
-                                                                 MotionFilter filter) const {
+MotionBelief MotionPredictor::belief_with_velocity(const MotionPrior& prior,
+                                                   MotionFilter filter) const {
   if (prior.linear_velocity) {
     filter.measure_velocity(velocity_.corrected(*prior.linear_velocity), velocity_.usual_sigma());
   }

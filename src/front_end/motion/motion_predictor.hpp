@@ -58,8 +58,7 @@ class MotionPredictor {
   /// just now.
   void apply_measurements(const MotionPrior& prior, MotionFilter& filter) const;
   /// The filter's belief after applying the measured velocity with its usual accuracy.
-  registration::MotionBelief belief_with_velocity(const MotionPrior& prior,
-                                                  MotionFilter filter) const;
+  MotionBelief belief_with_velocity(const MotionPrior& prior, MotionFilter filter) const;
 
   GyroValidator gyro_;
   VelocityValidator velocity_;

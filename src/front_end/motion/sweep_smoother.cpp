@@ -195,7 +195,7 @@ void SweepSmoother::learn_noise(const MotionFilter& filter, double duration) {
 
 void SweepSmoother::smooth(const SweepMatcher::Found& found, const MotionFilter& filter,
                            double duration) {
-  const registration::NdtMatch& match = found.match;
+  const NdtMatch& match = found.match;
   Begin begin = begin_after(*end_, filter, duration);
   Vector6d noise = per_axis(noise_.cwiseMax(kMinNoise));
   if (filter.is_rotation_measured()) {

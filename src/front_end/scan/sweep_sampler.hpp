@@ -4,8 +4,8 @@
 #include <cstddef>
 
 #include "lidar_mapping/front_end/front_end_config.hpp"
-#include "lidar_mapping/registration/ndt_points.hpp"
 
+#include "matching/ndt_types.hpp"
 #include "scan/ring_interpolator.hpp"
 #include "scan/scan_sampler.hpp"
 
@@ -43,7 +43,7 @@ class SweepSampler {
   void leave_out(const PointMarks& marks);
   /// True if points of this scan were left out.
   bool leaves_out_points() const { return leaves_out_points_; }
-  const registration::NdtPoints& points() const { return points_; }
+  const NdtPoints& points() const { return points_; }
   /// The same points in the order in which they were sampled.
   const SampledPoints& sparse() const { return sparse_; }
   /// The reference time of the points: the middle of the sweep, s after the stamp.
@@ -80,7 +80,7 @@ class SweepSampler {
   SampledPoints sparse_;
   SampledPoints dense_;
   SampledPoints between_rings_;
-  registration::NdtPoints points_;
+  NdtPoints points_;
   double reference_ = 0.0;
   double duration_ = 0.0;
   double elevation_shift_ = 0.0;

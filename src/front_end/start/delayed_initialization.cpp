@@ -88,10 +88,10 @@ bool DelayedInitialization::rematch_scan(std::size_t i, const MatchJudge& judge,
   MotionFilter high_noise = filter_->with_high_process_noise();
   high_noise.predict(seconds);
   filter_->predict(seconds);
-  const registration::MotionBelief belief = filter_->belief();
+  const MotionBelief belief = filter_->belief();
   const Prediction prediction{belief, belief, high_noise.belief()};
   results_[i] = matcher_.find(scan.points, map, judge, prediction, {});
-  const registration::NdtMatch& match = results_[i].match;
+  const NdtMatch& match = results_[i].match;
   if (judge.judge(match, prediction.high_noise) == TrackingState::kLost) return false;
   filter_->correct(match.state, match.information.inverse(),
                    projection_orthogonal_to(results_[i].degenerate_directions));

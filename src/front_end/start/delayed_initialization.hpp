@@ -16,9 +16,9 @@ namespace lidar_mapping::front_end {
 struct MatchedScan {
   Stamp stamp = 0;
   double reference = 0.0;  ///< reference time of the points and of the state, s after the stamp
-  registration::NdtPoints points;
-  registration::MotionState state;
-  registration::Matrix12d covariance;
+  NdtPoints points;
+  MotionState state;
+  Matrix12d covariance;
   SampledPoints dense;  ///< the points that were inserted into the map, if any
 };
 
@@ -28,7 +28,7 @@ struct MatchedScan {
 /// few per new scan.
 class DelayedInitialization {
  public:
-  explicit DelayedInitialization(registration::NeighborSearch neighbors) : matcher_(neighbors) {}
+  explicit DelayedInitialization(NeighborSearch neighbors) : matcher_(neighbors) {}
 
   void start();
   void stop();
@@ -39,7 +39,7 @@ class DelayedInitialization {
   /// Sets the points of the scan added last that were inserted into the map.
   void set_inserted(const SampledPoints& dense);
   /// Sets the state of the first scan, which is known only after the second scan was matched.
-  void set_first_state(const registration::MotionState& state);
+  void set_first_state(const MotionState& state);
 
   const std::vector<MatchedScan>& scans() const { return scans_; }
   /// To be called after each scan. When enough scans were inserted, or the maximum duration is

@@ -67,7 +67,7 @@ Matrix12d recovered_covariance() {
   return covariance;
 }
 
-bool is_constrained(const registration::NdtMatch& match) {
+bool is_constrained(const NdtMatch& match) {
   return match.overlap > kMinConstrainedOverlap &&
          degenerate_directions(match.pose_hessian, kSinglePlaceFraction).empty();
 }
@@ -111,8 +111,8 @@ std::optional<MotionFilter> FalseStandstillRecovery::track(const SampledPoints& 
 }
 
 std::optional<MotionFilter> FalseStandstillRecovery::detect(const SampledPoints& points,
-                                                            const registration::NdtMatch& match,
-                                                            double seconds, bool single_place,
+                                                            const NdtMatch& match, double seconds,
+                                                            bool single_place,
                                                             const MotionFilter& filter) {
   if (!single_place || !first_pose_) finish();
   if (finished_) return std::nullopt;

@@ -30,9 +30,8 @@ class FalseStandstillRecovery {
   /// To be called for each scan for which track() returned nothing, `seconds` after the previous
   /// one. If the sensor turns out to be at another pose than the matched one, returns the predicted
   /// filter, restarted at that pose. `single_place` is MapCoverage::is_single_place.
-  std::optional<MotionFilter> detect(const SampledPoints& points,
-                                     const registration::NdtMatch& match, double seconds,
-                                     bool single_place, const MotionFilter& filter);
+  std::optional<MotionFilter> detect(const SampledPoints& points, const NdtMatch& match,
+                                     double seconds, bool single_place, const MotionFilter& filter);
 
  private:
   struct Inserted {

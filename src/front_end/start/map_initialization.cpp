@@ -54,9 +54,10 @@ void MapInitialization::set_first_scan(const SampledPoints& points,
   first_reference_ = reference;
 }
 
-SweepMatcher::Found MapInitialization::match_second_scan(
-    const registration::NdtPoints& points, const registration::MotionBelief& prediction,
-    double seconds, SweepMatcher& matcher, LocalMap& map) const {
+SweepMatcher::Found MapInitialization::match_second_scan(const NdtPoints& points,
+                                                         const MotionBelief& prediction,
+                                                         double seconds, SweepMatcher& matcher,
+                                                         LocalMap& map) const {
   SweepMatcher::Found found;
   std::vector<MotionState> starts = starts_at_speed(start_pose_, seconds + first_reference_);
   starts.push_back(prediction.state);
@@ -84,7 +85,7 @@ bool MapInitialization::replaces_first_scan(const StepBelief& belief) {
   return true;
 }
 
-void MapInitialization::set_motion(const registration::NdtMatch& match) {
+void MapInitialization::set_motion(const NdtMatch& match) {
   first_scan_replaced_ = false;
   if (!delayed_.is_active()) return;
   const Vector6d& twist = match.state.twist;

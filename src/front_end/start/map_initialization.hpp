@@ -17,7 +17,7 @@ namespace lidar_mapping::front_end {
 /// these scans are matched again later (DelayedInitialization).
 class MapInitialization {
  public:
-  explicit MapInitialization(registration::NeighborSearch neighbors) : delayed_(neighbors) {}
+  explicit MapInitialization(NeighborSearch neighbors) : delayed_(neighbors) {}
 
   /// Starts a map with a scan whose pose at its stamp is known.
   void start(const Pose& T_odom_base);
@@ -30,8 +30,7 @@ class MapInitialization {
   /// Matches the second scan, whose reference time is `seconds` after that of the first one. The
   /// speed may have any value, and the first scan is still distorted by the motion. Afterwards the
   /// map holds the first scan, deskewed with the motion that was found.
-  SweepMatcher::Found match_second_scan(const registration::NdtPoints& points,
-                                        const registration::MotionBelief& prediction,
+  SweepMatcher::Found match_second_scan(const NdtPoints& points, const MotionBelief& prediction,
                                         double seconds, SweepMatcher& matcher, LocalMap& map) const;
   /// Decides whether the map has to be started again with the second scan, given the belief in its
   /// match, which is not accepted yet. A first scan from a different place would also find a match
@@ -39,7 +38,7 @@ class MapInitialization {
   /// has few points, no second scan can be matched with certainty.
   bool replaces_first_scan(const StepBelief& belief);
   /// To be called when that match was accepted.
-  void set_motion(const registration::NdtMatch& match);
+  void set_motion(const NdtMatch& match);
 
   /// The points of the first scan, and the state at which they were measured if it moved with this
   /// twist.

@@ -9,9 +9,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-using registration::MotionBelief;
-using registration::NdtMatch;
-
 /// Along these directions the rings on the ground contain no information.
 const std::vector<Eigen::Vector3d> kLevelDirections = {Eigen::Vector3d::UnitX(),
                                                        Eigen::Vector3d::UnitY()};

@@ -55,7 +55,7 @@ class NdtTracker : public Tracker {
   /// Matches from the pose that vertical structures gave to this filter, which is adopted.
   StepMatch match_from_vertical_structure(const MotionFilter& recovered);
   /// Completes the first scan with the motion that the match of the second one shows.
-  void set_first_motion(const registration::NdtMatch& second);
+  void set_first_motion(const NdtMatch& second);
   /// Learns from an accepted match.
   void learn(const Step& step, const PredictedMotion& predicted, const StepMatch& match,
              const FrontEndStatus& status);

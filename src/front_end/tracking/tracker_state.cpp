@@ -27,7 +27,7 @@ void TrackerState::discard_map() {
   lost_time = 0.0;
 }
 
-double drift_variance_factor(const TrackerState& state, const registration::NdtMatch& match) {
+double drift_variance_factor(const TrackerState& state, const NdtMatch& match) {
   return state.coverage.has_few_scans() ? initial_drift_variance_factor(match) : 1.0;
 }
 
@@ -41,7 +41,7 @@ void start_motion(const Pose& T_odom_base, double reference, TrackerState& state
 }
 
 void correct_motion(const SweepMatcher::Found& found, double duration, TrackerState& state) {
-  const registration::NdtMatch& match = found.match;
+  const NdtMatch& match = found.match;
   state.filter.correct(match.state, match.information.inverse(),
                        projection_orthogonal_to(found.degenerate_directions));
   state.covariance = reported_covariance(match);

@@ -49,7 +49,7 @@ struct TrackerState {
 };
 
 /// The drift variance factor of a match with the map of this state.
-double drift_variance_factor(const TrackerState& state, const registration::NdtMatch& match);
+double drift_variance_factor(const TrackerState& state, const NdtMatch& match);
 
 /// Sets the motion at the first scan of a map: the pose at the scan's stamp is known, the twist is
 /// not. `reference` is the time from the stamp to the middle of the sweep, s.
