@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/common/plane_fit.hpp"
 #include "lidar_mapping/common/robust_weights.hpp"
 
 namespace lidar_mapping::registration {
@@ -36,10 +35,10 @@ struct Residual {
   Vector6d gradient;
 };
 
-Residual residual_of(const Plane& plane, const Eigen::Vector3d& p_source, const Pose& T) {
+Residual residual_of(const PlaneFit& plane, const Eigen::Vector3d& p_source, const Pose& T) {
   const Eigen::Vector3d normal_source = T.rotation.conjugate() * plane.normal;
   Residual residual;
-  residual.value = plane.normal.dot(T * p_source - plane.centroid);
+  residual.value = plane.normal.dot(T * p_source - plane.mean);
   residual.gradient << normal_source, p_source.cross(normal_source);
   return residual;
 }
@@ -64,16 +63,17 @@ Matrix6d hessian_of(const std::vector<Residual>& residuals) {
 
 }  // namespace
 
-std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
+std::optional<PlaneFit> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
   const auto point = [&](pcl::index_t i) { return cloud[i].getVector3fMap().cast<double>(); };
   const Eigen::Vector3d first = point(indices.front());
   PointMoments moments;  // relative to a point nearby: the cloud may be far from its origin
   for (const auto i : indices) moments.add(point(i) - first);
-  const PlaneFit fit(moments);
+  PlaneFit fit(moments);
   const Eigen::Vector3d& variances = fit.variances;
   if (variances[1] < kLeastBreadth * variances[2]) return std::nullopt;
   if (variances[0] > kGreatestThickness * variances[1]) return std::nullopt;
-  return Plane{fit.mean + first, fit.normal};
+  fit.mean += first;
+  return fit;
 }
 
 RegistrationResult evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree,

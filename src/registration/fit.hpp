@@ -6,6 +6,7 @@
 
 #include <pcl/search/kdtree.h>
 
+#include "lidar_mapping/common/plane_fit.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
 #include "pcl_methods/pcl_clouds.hpp"
@@ -16,13 +17,8 @@ namespace lidar_mapping::registration {
 /// of correspondence_randomness).
 constexpr std::size_t kLeastPoints = 20;
 
-struct Plane {
-  Eigen::Vector3d centroid;
-  Eigen::Vector3d normal;  ///< unit length
-};
-
 /// The plane through points of a cloud; none where they lie on a line or fill a volume.
-std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices);
+std::optional<PlaneFit> fit_plane(const PclCloud& cloud, const pcl::Indices& indices);
 
 /// Evaluates T_target_source by the nearest neighbours of the source's points in the target, whose
 /// search tree is `tree`, up to `max_range` (m). So methods that only return a pose have the same

@@ -46,12 +46,16 @@ SampledPoints scan_from(const Pose& T_yard_sensor, unsigned seed, double error,
 
 Pose at(double x, double y, double yaw) { return {exp_so3({0.0, 0.0, yaw}), {x, y, 0.0}}; }
 
+registration::GaussianVoxelMap map_of(const SampledPoints& points) {
+  registration::GaussianVoxelMap map(1.0, 1 << 14);
+  map.insert(points.x.data(), points.y.data(), points.z.data(), points.size());
+  return map;
+}
+
 /// The estimate of two scans from different places, from a relative pose that is a little wrong.
 std::optional<ElevationEstimate> estimate(double error, const Surroundings& surroundings = {}) {
   const Pose a = at(-6.0, 1.0, 0.0), b = at(5.0, -2.0, 0.3);
-  const SampledPoints earlier = scan_from(a, 1, error, surroundings);
-  registration::GaussianVoxelMap map(1.0, 1 << 14);
-  map.insert(earlier.x.data(), earlier.y.data(), earlier.z.data(), earlier.size());
+  auto map = map_of(scan_from(a, 1, error, surroundings));
   return estimate_elevation(scan_from(b, 2, error, surroundings), map,
                             a.inverse() * b * at(0.02, -0.02, 0.002));
 }
@@ -80,8 +84,7 @@ TEST(ElevationPair, SaysNothingAboutScansThatDoNotOverlap) {
   const SampledPoints scan = scan_from(at(0.0, 0.0, 0.0), 1, 0.003);
   registration::GaussianVoxelMap empty(1.0, 1 << 10);
   EXPECT_FALSE(estimate_elevation(scan, empty, Pose()).has_value());
-  registration::GaussianVoxelMap map(1.0, 1 << 14);
-  map.insert(scan.x.data(), scan.y.data(), scan.z.data(), scan.size());
+  auto map = map_of(scan);
   EXPECT_FALSE(estimate_elevation(scan, map, at(500.0, 0.0, 0.0)).has_value());
   EXPECT_FALSE(estimate_elevation(SampledPoints(), map, Pose()).has_value());
 }
@@ -89,9 +92,7 @@ TEST(ElevationPair, SaysNothingAboutScansThatDoNotOverlap) {
 // From one place the ground looks the same twice, however wrong its elevations are.
 TEST(ElevationPair, KnowsLessFromPlacesThatAreNearer) {
   const auto sigma_over = [](double distance) {
-    const SampledPoints earlier = scan_from(at(0.0, 0.0, 0.0), 1, 0.0);
-    registration::GaussianVoxelMap map(1.0, 1 << 14);
-    map.insert(earlier.x.data(), earlier.y.data(), earlier.z.data(), earlier.size());
+    auto map = map_of(scan_from(at(0.0, 0.0, 0.0), 1, 0.0));
     const auto found =
         estimate_elevation(scan_from(at(distance, 0.0, 0.0), 2, 0.0), map, at(distance, 0.0, 0.0));
     return found ? found->sigma : 1.0;

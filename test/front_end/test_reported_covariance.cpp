@@ -89,16 +89,14 @@ TEST(DoubtCovariance, IsThatOfTheMixtureOfMatchAndPrediction) {
 }
 
 TEST(GapBetween, IsZeroForASteadyMotion) {
-  const SweepPair constant = {driving_at(0.0, 10.0), driving_at(1.0, 10.0), 0.1};
-  EXPECT_NEAR(gap_between(constant).norm(), 0.0, 1e-12);
+  const PreviousMatch previous{driving_at(0.0, 10.0), 0.1};
+  EXPECT_NEAR(gap_between(previous, driving_at(1.0, 10.0)).norm(), 0.0, 1e-12);
   // With 2 m/s^2.
-  const SweepPair accelerated = {driving_at(0.0, 10.0), driving_at(1.01, 10.2), 0.1};
-  EXPECT_NEAR(gap_between(accelerated).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(gap_between(previous, driving_at(1.01, 10.2)).norm(), 0.0, 1e-12);
 }
 
 TEST(GapBetween, ShowsAJumpOfThePose) {
-  const SweepPair jump = {driving_at(0.0, 10.0), driving_at(1.3, 10.0), 0.1};
-  const Vector6d gap = gap_between(jump);
+  const Vector6d gap = gap_between({driving_at(0.0, 10.0), 0.1}, driving_at(1.3, 10.0));
   EXPECT_NEAR(std::abs(gap[0]), 0.3, 1e-12);
   EXPECT_NEAR(gap.tail<5>().norm(), 0.0, 1e-12);
 }

@@ -41,14 +41,14 @@ PclCloud ellipsoid(const Eigen::Vector3f& place, const Eigen::Vector3f& axes) {
   return cloud;
 }
 
-std::optional<Plane> plane_of(const PclCloud& cloud) { return fit_plane(cloud, all_of(cloud)); }
+std::optional<PlaneFit> plane_of(const PclCloud& cloud) { return fit_plane(cloud, all_of(cloud)); }
 
 TEST(FitPlane, FindsPlaneAndNormal) {
   const auto found = plane_of(plane(1.0F, 0.5F));
   ASSERT_TRUE(found);
   const Eigen::Vector3d normal = Eigen::Vector3d(-0.5, 0.0, 1.0).normalized();
   EXPECT_NEAR(std::abs(found->normal.dot(normal)), 1.0, 1e-9);
-  EXPECT_TRUE(test::near(found->centroid, Eigen::Vector3d(0.0, 0.0, 1.0), 1e-5));
+  EXPECT_TRUE(test::near(found->mean, Eigen::Vector3d(0.0, 0.0, 1.0), 1e-5));
 }
 
 TEST(FitPlane, KeepsDigitsFarFromTheOrigin) {
@@ -56,7 +56,7 @@ TEST(FitPlane, KeepsDigitsFarFromTheOrigin) {
   const auto found = plane_of(ellipsoid(place, {0.5F, 0.5F, 0.0F}));
   ASSERT_TRUE(found);
   EXPECT_NEAR(std::abs(found->normal.z()), 1.0, 1e-6);
-  EXPECT_TRUE(test::near(found->centroid, place.cast<double>(), 1e-6));
+  EXPECT_TRUE(test::near(found->mean, place.cast<double>(), 1e-6));
 }
 
 /// The limits are ratios of variances, 0.05 in breadth and 0.1 in thickness.

@@ -26,16 +26,11 @@ constexpr std::array<Halving, 4> kHalvings = {
 /// Weight of a residual, so that a part of a scan counts as it did in the match.
 const double kDataWeight = NdtOptions{}.data_weight;
 
-struct Half {
-  Vector6d step = Vector6d::Zero();
-  Matrix6d covariance = Matrix6d::Zero();
-};
-
 /// The pose that the points of the selected parts prefer, as a step from the match, and its
 /// covariance.
 template <typename IsSelected>
-Half half_of(const std::vector<NdtPart>& parts, const IsSelected& is_selected,
-             const Matrix6d& prior) {
+UncertainStep half_of(const std::vector<NdtPart>& parts, const IsSelected& is_selected,
+                      const Matrix6d& prior) {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   for (std::size_t part = 0; part < parts.size(); ++part) {
@@ -43,25 +38,20 @@ Half half_of(const std::vector<NdtPart>& parts, const IsSelected& is_selected,
     hessian += parts[part].hessian;
     gradient += parts[part].gradient;
   }
-  Half half;
+  UncertainStep half;
   half.covariance = (kDataWeight * hessian + prior).inverse();
   half.step = -kDataWeight * (half.covariance * gradient);
   return half;
 }
 
-double length_in_sigmas(const Vector6d& d, const Matrix6d& covariance) {
-  return std::sqrt(d.dot(covariance.ldlt().solve(d)));
-}
-
-void compare(const Half& a, const Half& b, StepEvidence& evidence) {
-  const Vector6d d = a.step - b.step;
-  const Matrix6d covariance = a.covariance + b.covariance;
+void compare(const UncertainStep& a, const UncertainStep& b, StepEvidence& evidence) {
+  const UncertainStep d{a.step - b.step, a.covariance + b.covariance};
   const auto keep_largest = [](double value, double& largest) {
     largest = std::max(largest, value);
   };
-  keep_largest(d.head<3>().norm(), evidence.disagreement);
-  keep_largest(d.tail<3>().norm(), evidence.disagreement_angle);
-  keep_largest(length_in_sigmas(d, covariance), evidence.disagreement_sigmas);
+  keep_largest(d.step.head<3>().norm(), evidence.disagreement);
+  keep_largest(d.step.tail<3>().norm(), evidence.disagreement_angle);
+  keep_largest(d.sigmas(), evidence.disagreement_sigmas);
 }
 
 /// The effective number of sectors: this number of equal sectors would have the same distribution
@@ -84,9 +74,9 @@ double pair_quality(const NdtMatch& match) {
   return match.overlap > 0.0 ? match.quality / match.overlap : 0.0;
 }
 
-double Innovation::sigmas() const { return length_in_sigmas(step, covariance); }
+double UncertainStep::sigmas() const { return std::sqrt(step.dot(covariance.ldlt().solve(step))); }
 
-Innovation innovation_of(const NdtMatch& match, const MotionBelief& prediction) {
+UncertainStep innovation_of(const NdtMatch& match, const MotionBelief& prediction) {
   return {difference(prediction.state.T_map_sensor, match.state.T_map_sensor),
           prediction.information.inverse().topLeftCorner<6, 6>()};
 }
@@ -98,7 +88,7 @@ StepEvidence evidence_of(const NdtMatch& match, const MotionBelief& prediction) 
   evidence.residual_variance = match.residual_variance;
   evidence.converged = match.converged ? 1.0 : 0.0;
   evidence.iterations = match.iterations;
-  const Innovation innovation = innovation_of(match, prediction);
+  const UncertainStep innovation = innovation_of(match, prediction);
   evidence.surprise = innovation.step.head<3>().norm();
   evidence.surprise_angle = innovation.step.tail<3>().norm();
   evidence.surprise_sigmas = innovation.sigmas();

@@ -52,7 +52,7 @@ void set_motion_evidence(const NdtMatch& match, const TrackerState& state, doubl
   evidence.motion_change_angle = change.tail<3>().norm();
   const std::optional<PreviousMatch> last = state.filter.last_match();
   if (!last) return;
-  const Vector6d gap = gap_between({last->state, match.state, last->seconds_before});
+  const Vector6d gap = gap_between(*last, match.state);
   evidence.sweep_gap = gap.head<3>().norm();
   evidence.sweep_gap_angle = gap.tail<3>().norm();
   evidence.turn = match.state.twist.tail<3>().norm() * last->seconds_before;

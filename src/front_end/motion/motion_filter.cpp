@@ -84,10 +84,10 @@ Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, 
   return later.topLeftCorner<6, 6>();
 }
 
-Vector6d gap_between(const SweepPair& sweeps) {
-  const double half = 0.5 * sweeps.seconds;
-  return difference(moved(sweeps.current.T_map_sensor, sweeps.current.twist, -half),
-                    moved(sweeps.previous.T_map_sensor, sweeps.previous.twist, half));
+Vector6d gap_between(const PreviousMatch& previous, const MotionState& current) {
+  const double half = 0.5 * previous.seconds_before;
+  return difference(moved(current.T_map_sensor, current.twist, -half),
+                    moved(previous.state.T_map_sensor, previous.state.twist, half));
 }
 
 MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleration_sigma)

@@ -39,17 +39,10 @@ struct PreviousMatch {
   double seconds_before = 0.0;  ///< s from the match until then
 };
 
-/// Two successive sweeps, each with the pose and the twist at its middle as they were matched.
-struct SweepPair {
-  MotionState previous;
-  MotionState current;
-  double seconds = 0.0;  ///< from the middle of the one to the middle of the other
-};
-
 /// Disagreement of two sweeps about the pose half-way between their middles: the previous one
 /// continued forwards compared with the current one continued backwards, m and rad per axis. It is
 /// zero if the twist is constant, and also if it changes steadily.
-Vector6d gap_between(const SweepPair& sweeps);
+Vector6d gap_between(const PreviousMatch& previous, const MotionState& current);
 
 /// Kalman filter of the sensor's pose and twist, for perturbed(MotionState, Vector12d). The twist
 /// continues as TwistPredictor predicts, plus an unknown constant acceleration. The size of this
