@@ -51,9 +51,6 @@ class NdtPoints {
  private:
   void clear();
   void push(float x, float y, float z, float s);
-  /// Appends elements of order_[first, last).
-  void append(const std::vector<float>& from, std::size_t first, std::size_t last,
-              std::vector<float>& to) const;
   void close_slice(std::size_t begin);
 
   std::size_t size_ = 0;

@@ -31,13 +31,6 @@ void NdtPoints::push(float x, float y, float z, float s) {
   s_.push_back(s);
 }
 
-void NdtPoints::append(const std::vector<float>& from, std::size_t first, std::size_t last,
-                       std::vector<float>& to) const {
-  const std::size_t size = to.size();
-  to.resize(size + last - first);
-  for (std::size_t j = first; j < last; ++j) to[size + j - first] = from[order_[j]];
-}
-
 void NdtPoints::close_slice(std::size_t begin) {
   const std::size_t count = x_.size() - begin;
   if (count == 0) return;
@@ -71,10 +64,10 @@ void NdtPoints::assign(const std::vector<float>& x, const std::vector<float>& y,
   for (std::size_t k = 0; k < kSlices; ++k) {
     const std::size_t slice_begin = x_.size();
     // After the sort next[k] stands at the end of slice k.
-    append(x, begin[k], next[k], x_);
-    append(y, begin[k], next[k], y_);
-    append(z, begin[k], next[k], z_);
-    append(s, begin[k], next[k], s_);
+    for (std::size_t j = begin[k]; j < next[k]; ++j) {
+      const std::size_t i = order_[j];
+      push(x[i], y[i], z[i], s[i]);
+    }
     close_slice(slice_begin);
   }
 }
