@@ -1,9 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/loop.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping {
+namespace {
+
+// Names in the order of the values.
+constexpr std::array<const char*, 4> kSources = {"position", "gnss", "appearance", "manual"};
+constexpr std::array<const char*, 3> kDecisions = {"auto", "accept", "refuse"};
+constexpr std::array<const char*, 3> kVerdicts = {"accepted", "refused", "undecided"};
+
+template <typename Value, typename Names>
+const char* name_of(Value value, const Names& names) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+/// `kind`: what a name of another value is called in the error.
+template <typename Value, typename Names>
+Value value_of(const std::string& name, const Names& names, const std::string& kind) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<Value>(found - names.begin());
+  const std::vector<std::string> all_but_one(names.begin(), names.end() - 1);
+  throw InputError(kind + " '" + name + "' is not " + joined(all_but_one) + " or " + names.back());
+}
+
+}  // namespace
 
 LoopVerdict verdict_on(const Loop& loop, Verdict decision, const std::string& reason) {
   LoopVerdict verdict;
@@ -25,65 +52,19 @@ std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(
   return newest;
 }
 
-const char* to_string(LoopSource source) {
-  switch (source) {
-    case LoopSource::kPosition:
-      return "position";
-    case LoopSource::kGnss:
-      return "gnss";
-    case LoopSource::kAppearance:
-      return "appearance";
-    case LoopSource::kManual:
-      return "manual";
-  }
-  return "";
-}
-
+const char* to_string(LoopSource source) { return name_of(source, kSources); }
 LoopSource loop_source_from(const std::string& name) {
-  for (const LoopSource source :
-       {LoopSource::kPosition, LoopSource::kGnss, LoopSource::kAppearance, LoopSource::kManual}) {
-    if (name == to_string(source)) return source;
-  }
-  throw InputError("loop source '" + name + "' is not position, gnss, appearance or manual");
+  return value_of<LoopSource>(name, kSources, "loop source");
 }
 
-const char* to_string(LoopDecision decision) {
-  switch (decision) {
-    case LoopDecision::kAuto:
-      return "auto";
-    case LoopDecision::kAccept:
-      return "accept";
-    case LoopDecision::kRefuse:
-      return "refuse";
-  }
-  return "";
-}
-
+const char* to_string(LoopDecision decision) { return name_of(decision, kDecisions); }
 LoopDecision loop_decision_from(const std::string& name) {
-  for (const LoopDecision decision :
-       {LoopDecision::kAuto, LoopDecision::kAccept, LoopDecision::kRefuse}) {
-    if (name == to_string(decision)) return decision;
-  }
-  throw InputError("loop decision '" + name + "' is not auto, accept or refuse");
+  return value_of<LoopDecision>(name, kDecisions, "loop decision");
 }
 
-const char* to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kAccepted:
-      return "accepted";
-    case Verdict::kRefused:
-      return "refused";
-    case Verdict::kUndecided:
-      return "undecided";
-  }
-  return "";
-}
-
+const char* to_string(Verdict verdict) { return name_of(verdict, kVerdicts); }
 Verdict verdict_from(const std::string& name) {
-  for (const Verdict verdict : {Verdict::kAccepted, Verdict::kRefused, Verdict::kUndecided}) {
-    if (name == to_string(verdict)) return verdict;
-  }
-  throw InputError("verdict '" + name + "' is not accepted, refused or undecided");
+  return value_of<Verdict>(name, kVerdicts, "verdict");
 }
 
 }  // namespace lidar_mapping
