@@ -8,7 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <numeric>
-#include <optional>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/pose.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/SVD>

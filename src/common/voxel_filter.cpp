@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/common/voxel_filter.hpp"
 
-#include <cmath>
 #include <cstdint>
 
 namespace lidar_mapping {

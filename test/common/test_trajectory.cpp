@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdio>
-#include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>

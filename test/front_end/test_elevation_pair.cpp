@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <random>
-#include <vector>
 
 #include <gtest/gtest.h>
 

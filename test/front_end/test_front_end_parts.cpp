@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <random>
 #include <utility>
 
 #include <gtest/gtest.h>

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <random>
-#include <utility>
 
 #include <gtest/gtest.h>
-
-#include "lidar_mapping/common/units.hpp"
 
 #include "motion/motion_filter.hpp"
 #include "motion/twist_predictor.hpp"

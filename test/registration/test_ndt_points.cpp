@@ -11,7 +11,6 @@
 #include "lidar_mapping/registration/ndt_points.hpp"
 
 #include "ndt/ndt_kernels.hpp"
-#include "near.hpp"
 
 namespace lidar_mapping::registration {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
 #include "lidar_mapping/common/point_cloud.hpp"
 
 #include "matching/ndt_types.hpp"

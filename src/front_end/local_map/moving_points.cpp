@@ -2,7 +2,6 @@
 #include "local_map/moving_points.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>

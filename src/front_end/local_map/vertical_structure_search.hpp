@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "local_map/vertical_structure_map.hpp"
-#include "motion/motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
 

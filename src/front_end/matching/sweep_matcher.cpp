@@ -2,7 +2,6 @@
 #include "matching/sweep_matcher.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "matching/degeneracy.hpp"

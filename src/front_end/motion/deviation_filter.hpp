@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
-
 #include "lidar_mapping/common/covariance.hpp"
 
 #include "matching/ndt_types.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
