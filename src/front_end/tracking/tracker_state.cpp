@@ -14,6 +14,10 @@ namespace {
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 
+/// Up to this number of scans, the drift variance is increased: half of kWantedInsertions of
+/// delayed_initialization.cpp, with which planes are upright.
+constexpr int kFewScans = 12;
+
 }  // namespace
 
 TrackerState::TrackerState(const FrontEndConfig& config)
@@ -28,7 +32,7 @@ void TrackerState::discard_map() {
 }
 
 double drift_variance_factor(const TrackerState& state, const NdtMatch& match) {
-  return state.coverage.has_few_scans() ? initial_drift_variance_factor(match) : 1.0;
+  return state.coverage.inserted_scans <= kFewScans ? initial_drift_variance_factor(match) : 1.0;
 }
 
 void start_motion(const Pose& T_odom_base, double reference, TrackerState& state) {
