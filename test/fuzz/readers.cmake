@@ -25,7 +25,6 @@ set(reader_sources
   ${readers_root}/src/ros/bags/bag_stream.cpp
   ${readers_root}/src/preprocessing/packets/azimuth_groups.cpp
   ${readers_root}/src/preprocessing/packets/hesai_calibration.cpp
-  ${readers_root}/src/preprocessing/packets/hesai_lasers.cpp
   ${readers_root}/src/preprocessing/packets/hesai_models.cpp
   ${readers_root}/src/preprocessing/packets/hesai_packets.cpp
   ${readers_root}/src/preprocessing/packets/ouster_packets.cpp
