@@ -6,8 +6,6 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "gnss/gnss_limits.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 namespace {
