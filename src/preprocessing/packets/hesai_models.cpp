@@ -11,7 +11,7 @@
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-#include "packets/azimuth_groups.hpp"
+#include "packets/packet_decoding.hpp"
 
 namespace lidar_mapping::preprocessing {
 
