@@ -6,7 +6,6 @@
 #include <iterator>
 #include <map>
 #include <sstream>
-#include <utility>
 
 #include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
