@@ -53,8 +53,6 @@ std::string GnssGate::check(const LocalFix& fix, const Eigen::Vector3d& p_base_a
   return problem;
 }
 
-void GnssGate::clear() { *this = {}; }
-
 void GnssGate::dead_reckon(const Eigen::Vector3d& p_base_antenna,
                            const std::optional<Pose>& motion) {
   if (!motion) {
