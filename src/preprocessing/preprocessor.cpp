@@ -2,6 +2,7 @@
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
@@ -18,7 +19,13 @@
 namespace lidar_mapping::preprocessing {
 
 void RawScan::unpack() {
-  if (packed) read_points(*packed, cloud);
+  if (!packed) return;
+  const unsigned char* from = packed->first;
+  for (Point& point : cloud.points) {
+    std::memcpy(&point, from, sizeof(Point));  // one load and store of a whole register
+    std::memcpy(&point.intensity, from + packed->intensity, sizeof(float));
+    from += packed->step;
+  }
   packed.reset();
 }
 

@@ -23,13 +23,11 @@ set(reader_sources
   ${readers_root}/src/ros/bags/bag_file.cpp
   ${readers_root}/src/ros/bags/bag_set.cpp
   ${readers_root}/src/ros/bags/bag_stream.cpp
-  ${readers_root}/src/preprocessing/packets/azimuth_groups.cpp
   ${readers_root}/src/preprocessing/packets/hesai_calibration.cpp
-  ${readers_root}/src/preprocessing/packets/hesai_lasers.cpp
   ${readers_root}/src/preprocessing/packets/hesai_models.cpp
   ${readers_root}/src/preprocessing/packets/hesai_packets.cpp
   ${readers_root}/src/preprocessing/packets/ouster_packets.cpp
-  ${readers_root}/src/preprocessing/packets/packet_times.cpp
+  ${readers_root}/src/preprocessing/packets/packet_decoding.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_calibration.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_models.cpp
   ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp

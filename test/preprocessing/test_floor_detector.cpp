@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <random>
 #include <string>
 
@@ -15,54 +16,51 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-/// What 16 beams at `height` see of a plane through the point below them, and of a wall around.
-Scan scan_of_plane(const Eigen::Vector3d& normal, double height, bool with_wall,
-                   std::uint32_t seed) {
+/// Range along a ray, m; empty if it meets nothing.
+using RangeOf = std::function<std::optional<double>(const Eigen::Vector3d& ray)>;
+
+/// What beams from 15 degrees below the horizon on, 2 degrees apart, see from `height` above the
+/// origin.
+Scan scan_of(int beams, double height, std::uint32_t seed, const RangeOf& range_of) {
   std::mt19937 engine(seed);
   std::normal_distribution<double> noise(0.0, 0.02);
   Scan scan;
-  for (int beam = 0; beam < 16; ++beam) {
+  for (int beam = 0; beam < beams; ++beam) {
     const double elevation = (-15.0 + 2.0 * beam) * kRadPerDeg;
     for (int step = 0; step < 900; ++step) {
       const double azimuth = 2.0 * M_PI * step / 900;
       const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      const double down = -normal.dot(ray);
-      double range = down > 1e-3 ? normal.z() * height / down : 1e9;
-      const double wall = 12.0 / std::cos(elevation);
-      if (with_wall) range = std::min(range, wall);
-      if (range > 60.0) continue;
-      const Eigen::Vector3f p = ((range + noise(engine)) * ray).cast<float>();
+      const auto range = range_of(ray);
+      if (!range) continue;
+      const Eigen::Vector3f p =
+          (Eigen::Vector3d(0.0, 0.0, height) + (*range + noise(engine)) * ray).cast<float>();
       scan.cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
     }
   }
   return scan;
 }
 
-/// What 16 beams 1.8 m above the origin see of a road whose height depends on x alone.
+/// What 16 beams at `height` see of a plane through the point below them, and of a wall around.
+Scan scan_of_plane(const Eigen::Vector3d& normal, double height, std::uint32_t seed) {
+  return scan_of(16, 0.0, seed, [&](const Eigen::Vector3d& ray) {
+    const double down = -normal.dot(ray), wall = 12.0 / ray.head<2>().norm();
+    return down > 1e-3 ? std::min(normal.z() * height / down, wall) : wall;
+  });
+}
+
+/// What 8 beams 1.8 m above the origin see of a road whose height depends on x alone.
 Scan scan_of_road(const std::function<double(double)>& road, std::uint32_t seed) {
   constexpr double kHeight = 1.8;
-  std::mt19937 engine(seed);
-  std::normal_distribution<double> noise(0.0, 0.02);
-  Scan scan;
-  for (int beam = 0; beam < 8; ++beam) {
-    const double elevation = (-15.0 + 2.0 * beam) * kRadPerDeg;
-    for (int step = 0; step < 900; ++step) {
-      const double azimuth = 2.0 * M_PI * step / 900;
-      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
-                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      double near = 0.0, far = 60.0;
-      for (int halving = 0; halving < 40; ++halving) {
-        const double range = 0.5 * (near + far);
-        (kHeight + range * ray.z() > road(range * ray.x()) ? near : far) = range;
-      }
-      if (far == 60.0) continue;
-      const Eigen::Vector3f p =
-          (Eigen::Vector3d(0.0, 0.0, kHeight) + (near + noise(engine)) * ray).cast<float>();
-      scan.cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
+  return scan_of(8, kHeight, seed, [&](const Eigen::Vector3d& ray) -> std::optional<double> {
+    double near = 0.0, far = 60.0;
+    for (int halving = 0; halving < 40; ++halving) {
+      const double range = 0.5 * (near + far);
+      (kHeight + range * ray.z() > road(range * ray.x()) ? near : far) = range;
     }
-  }
-  return scan;
+    if (far == 60.0) return std::nullopt;
+    return near;
+  });
 }
 
 FloorDetectionConfig config_for(double height) {
@@ -78,7 +76,7 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 TEST(FloorDetector, FindsTiltedFloors) {
   for (const double lean : {0.0, 3.0, -4.0}) {
     const Eigen::Vector3d normal(std::sin(lean * kRadPerDeg), 0.0, std::cos(lean * kRadPerDeg));
-    const Scan scan = scan_of_plane(normal, 1.8, true, 7);
+    const Scan scan = scan_of_plane(normal, 1.8, 7);
     const Floor floor = FloorDetector(config_for(1.8)).process(scan);
     ASSERT_TRUE(floor.found);
     EXPECT_LT(angle_between(floor.normal, normal), 0.2 * kRadPerDeg);
@@ -91,7 +89,7 @@ TEST(FloorDetector, FindsTiltedFloors) {
 struct TiltedSensor {
   FloorDetectionConfig config = config_for(1.8);
   Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kRadPerDeg, 0.0));
-  Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 8);
+  Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, 8);
 
   TiltedSensor() {
     config.tilt = 20.0 * kRadPerDeg;
@@ -124,25 +122,24 @@ TEST(FloorDetector, ReturnsThePointsItSearchedAndFound) {
 }
 
 TEST(FloorDetector, SearchesOnlyNearTheExpectedFloor) {  // Heights from base_link
-  const Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 9);
+  const Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, 9);
   EXPECT_FALSE(FloorDetector(config_for(0.0)).process(scan).found);
   EXPECT_TRUE(FloorDetector(config_for(1.3)).process(scan).found);
 }
 
 TEST(FloorDetector, RejectsWallsAndEmptyScans) {
   EXPECT_FALSE(FloorDetector({}).process({}).found);
-  Scan walls = scan_of_plane(Eigen::Vector3d::UnitZ(), 100.0, true, 10);
+  Scan walls = scan_of_plane(Eigen::Vector3d::UnitZ(), 100.0, 10);
   EXPECT_FALSE(FloorDetector(config_for(1.0)).process(walls).found);
   EXPECT_FALSE(FloorDetector(config_for(0.0)).process(walls).found);
 }
 
 TEST(FloorDetector, RejectsTooFewPointsAndSteepPlanes) {
   const Eigen::Vector3d steep(std::sin(15.0 * kRadPerDeg), 0.0, std::cos(15.0 * kRadPerDeg));
-  EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan_of_plane(steep, 1.8, true, 11)).found);
+  EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan_of_plane(steep, 1.8, 11)).found);
   FloorDetectionConfig many = config_for(1.8);
   many.floor_pts_thresh = 100000;
-  EXPECT_FALSE(
-      FloorDetector(many).process(scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 12)).found);
+  EXPECT_FALSE(FloorDetector(many).process(scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, 12)).found);
 }
 
 /// A bank of 35 degrees begins 6 m ahead. It lies in the heights that are searched, so that only

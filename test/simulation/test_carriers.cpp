@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
@@ -89,9 +90,7 @@ TEST(Carriers, LeggedRobotHasShocksOfThreeG) {
     peak = upwards <= 0.0 ? 0.0 : std::max(peak, upwards);
   }
   ASSERT_GT(peaks.size(), 200U);
-  std::nth_element(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() / 2),
-                   peaks.end());
-  EXPECT_NEAR(peaks[peaks.size() / 2] / kGravity, 3.0, 0.3);
+  EXPECT_NEAR(median(peaks) / kGravity, 3.0, 0.3);
 }
 
 TEST(Carriers, SpinDriveTurnsAtFiveRadiansPerSecond) {

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <memory>
 
-#include "lidar_mapping/common/point_cloud.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 /// Points in the layout of a driver: x y z adjacent as floats, and a float intensity. They are not
@@ -16,8 +14,5 @@ struct PackedPoints {
   std::size_t step = 0;                  ///< bytes from point to point, 16 or more
   std::size_t intensity = 0;             ///< bytes from x to the intensity
 };
-
-/// Reads as many points as the cloud has room for.
-void read_points(const PackedPoints& packed, PointCloud& cloud);
 
 }  // namespace lidar_mapping::preprocessing

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/simulation/mesh.hpp"
@@ -18,7 +19,14 @@ struct Mover {
   std::vector<Pose> T_map_shape;  ///< Poses in the map frame.
 
   /// Interpolated pose; none while the object does not exist.
-  std::optional<Pose> pose(double seconds) const;
+  std::optional<Pose> pose(double seconds) const {
+    const double position = (seconds - begin_s) / step_s;
+    if (position < 0.0 || position > static_cast<double>(T_map_shape.size()) - 1.0) return {};
+    const auto before = static_cast<std::size_t>(position);
+    if (before + 1 >= T_map_shape.size()) return T_map_shape.back();
+    return interpolate(T_map_shape[before], T_map_shape[before + 1],
+                       position - static_cast<double>(before));
+  }
 };
 
 /// Everything that a ray can hit, in the map frame.
@@ -28,7 +36,11 @@ struct World {
   std::vector<Mover> movers;         ///< Moving objects.
 
   /// Adds a moving object with a shape of its own; sets the mover's index of it.
-  void add(TriangleMesh shape, Mover mover);
+  void add(TriangleMesh shape, Mover mover) {
+    mover.shape = shapes.size();
+    shapes.push_back(std::move(shape));
+    movers.push_back(std::move(mover));
+  }
 };
 
 }  // namespace lidar_mapping::simulation

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"

@@ -10,7 +10,6 @@
 #include "lidar_mapping/common/text.hpp"
 
 #include "checks/input_checks.hpp"
-#include "gnss/gnss_limits.hpp"
 #include "gnss/gnss_track.hpp"
 #include "gnss/local_frame.hpp"
 #include "motion/motion_sensors.hpp"

@@ -31,7 +31,6 @@ class VelocityCheck {
   /// The reason for not using this velocity; it may disappear with later samples.
   VelocityProblem problem(const Eigen::Vector3d& velocity) const;
   std::string sentence(VelocityProblem problem) const;
-  void clear() { *this = {}; }
 
  private:
   struct Turn {

@@ -15,7 +15,6 @@ class FixScatter {
  public:
   /// Adds fixes in the order of their stamps. Jumps have little influence.
   void add(const LocalFix& fix);
-  void clear() { *this = {}; }
 
   bool is_known() const;
   /// Horizontal standard deviation, as measured and as stated by the covariances, m: the root of

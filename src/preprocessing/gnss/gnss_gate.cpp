@@ -6,8 +6,6 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "gnss/gnss_limits.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -54,8 +52,6 @@ std::string GnssGate::check(const LocalFix& fix, const Eigen::Vector3d& p_base_a
   if (problem.empty()) add_match(fix, p_dr);
   return problem;
 }
-
-void GnssGate::clear() { *this = {}; }
 
 void GnssGate::dead_reckon(const Eigen::Vector3d& p_base_antenna,
                            const std::optional<Pose>& motion) {
@@ -116,17 +112,15 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
   const double sigma_z = std::sqrt(fix.covariance(2, 2) + last_good_->covariance(2, 2));
   const double limit_z = kSigmas * sigma_z + kMaxGrade * path_length + 2.0 * kTolerance;
   if (std::abs(step.z()) > limit_z) return jump_text("in height", std::abs(step.z()), limit_z);
-  const double drift = kDriftFraction * path_length;
+  const double limit = kSigmas * std::hypot(sigma, kDriftFraction * path_length) + kTolerance;
   if (const auto aligned = alignment()) {
     const Eigen::Vector2d expected =
         aligned->center_enu + aligned->R_enu_dr * (p_dr.head<2>() - aligned->center_dr);
     const double off = (fix.p_enu.head<2>() - expected).norm();
-    const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
     return off > limit ? jump_text("to the side of the measured path", off, limit) : "";
   }
   const double distance_travelled = (p_dr - last_match_.p_dr).head<2>().norm();
   const double difference = std::abs(step.head<2>().norm() - distance_travelled);
-  const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
   return difference > limit ? jump_text("longer or shorter than the driven path", difference, limit)
                             : "";
 }

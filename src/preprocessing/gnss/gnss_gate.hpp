@@ -24,7 +24,6 @@ class GnssGate {
   /// fix.
   std::string check(const LocalFix& fix, const Eigen::Vector3d& p_base_antenna,
                     const std::optional<Pose>& motion);
-  void clear();
 
   /// The levelled pose of base_link by dead reckoning at the last fix; empty if that motion was not
   /// measured.

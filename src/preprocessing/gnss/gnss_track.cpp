@@ -7,8 +7,6 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "gnss/gnss_limits.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -25,12 +23,6 @@ constexpr double kMinDistanceOfOtherStart = 1000.0;
 constexpr double kMaxDistanceOfAgreement = 20.0;
 // s; smaller changes of the correction are not applied. Chosen: at 70 m/s they are 7 cm.
 constexpr double kMinDelayChange = 0.001;
-
-Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
-
-std::string milliseconds(double seconds) {
-  return std::to_string(std::lround(1e3 * std::abs(seconds))) + " ms";
-}
 
 /// Metres with two decimals.
 std::string metres(double value) { return formatted("%.2f m", std::round(value * 100.0) / 100.0); }
@@ -137,8 +129,8 @@ void GnssTrack::restart_from(PendingFix first, PendingFix& second, const MotionS
                         "begins with these");
   local_frame_.begin_at(first.original);
   stream_.clear();
-  gate_.clear();
-  scatter_.clear();
+  gate_ = {};
+  scatter_ = {};
   antenna_fit_.begin_window();
   last_rejected_.reset();
   accepted_count_ = 0;
@@ -201,11 +193,11 @@ void GnssTrack::update_antenna_fit(const PendingFix& pending, const MotionSensor
   const Eigen::Vector3d ahead = T_dr_base.rotation * Eigen::Vector3d::UnitX();
   TrackedFix tracked;
   tracked.stamp = pending.fix.stamp;
-  tracked.p_enu = planar(pending.fix.p_enu);
+  tracked.p_enu = pending.fix.p_enu.head<2>();
   tracked.yaw_dr = std::atan2(ahead.y(), ahead.x());
-  tracked.p_dr_base = planar(T_dr_base.translation);
-  tracked.v_dr = planar(*v_dr);
-  tracked.p_base_antenna = planar(lever_arm());
+  tracked.p_dr_base = T_dr_base.translation.head<2>();
+  tracked.v_dr = v_dr->head<2>();
+  tracked.p_base_antenna = lever_arm().head<2>();
   tracked.applied_delay = pending.applied_delay;
   antenna_fit_.add(tracked);
   update_delay();
@@ -218,7 +210,8 @@ void GnssTrack::update_delay() {
   delay_ = fit.delay;
   diagnostics_.warn(
       "delay",
-      "gnss: its stamps are " + milliseconds(delay_) + (delay_ > 0.0 ? " late" : " early") +
+      "gnss: its stamps are " + formatted("%.0f ms", std::round(1e3 * std::abs(delay_))) +
+          (delay_ > 0.0 ? " late" : " early") +
           " compared with IMU and velocity; this is only used to check the fixes, and positions "
           "keep their stamps. The back end estimates the offset relative to odometry and corrects "
           "it (estimate_gnss_time_offset); to correct it here, set gnss_time_offset to " +
@@ -266,8 +259,8 @@ void GnssTrack::clear() {
   pending_fixes_.clear();
   last_rejected_.reset();
   last_checked_ = 0;
-  gate_.clear();
-  scatter_.clear();
+  gate_ = {};
+  scatter_ = {};
   antenna_fit_.begin_window();
   heading_check_ = {};
 }

@@ -20,6 +20,10 @@ struct LocalFix {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
 };
 
+/// m/s: largest speed between fixes where none was measured. Chosen: faster than any car on a road
+/// (250 km/h).
+constexpr double kMaxRoadSpeed = 70.0;
+
 /// The larger standard deviation of East and North, m.
 double horizontal_sigma(const Eigen::Matrix3d& covariance);
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 #include <vector>
 
 #include "lidar_mapping/common/text.hpp"
@@ -55,14 +56,9 @@ std::optional<Quality> quality_of(const std::string& field) {
 constexpr std::size_t kEnoughSentences = 50;
 
 std::vector<std::string> fields_of(const std::string& text) {
-  std::vector<std::string> fields(1);
-  for (const char c : text) {
-    if (c == ',') {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
-  }
+  std::istringstream stream(text + ',');  // else an empty field at the end would be lost
+  std::vector<std::string> fields;
+  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
   return fields;
 }
 

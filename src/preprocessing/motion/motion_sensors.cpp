@@ -314,7 +314,7 @@ void MotionSensors::clear() {
   exceeds_since_.reset();
   implausible_since_.reset();
   turns_since_.reset();
-  velocity_check_.clear();
+  velocity_check_ = {};
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <map>
 #include <sstream>
-#include <utility>
 
 #include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -120,8 +119,7 @@ HesaiCalibration parse_hesai_calibration(const std::string& content, const std::
 
 HesaiCalibration read_hesai_calibration(const std::string& path) {
   std::ifstream file = open_for_reading(path);
-  std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  return parse_hesai_calibration(content, path);
+  return parse_hesai_calibration({std::istreambuf_iterator<char>(file), {}}, path);
 }
 
 }  // namespace lidar_mapping::preprocessing

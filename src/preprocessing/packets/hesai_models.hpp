@@ -8,12 +8,17 @@
 #include "lidar_mapping/preprocessing/hesai_calibration.hpp"
 #include "lidar_mapping/preprocessing/hesai_packets.hpp"
 
-#include "packets/hesai_lasers.hpp"
-
 namespace lidar_mapping::preprocessing {
 
 /// Until the time of the sensor begins anew, us, by the user's manual: a second.
 constexpr std::int64_t kHesaiSecond = 1'000'000;
+
+/// Where a laser of a Hesai looks by design, and when it fires.
+struct HesaiLaser {
+  double elevation_deg;  ///< above the sensor's plane
+  double azimuth_deg;    ///< clockwise, from above, from the azimuth of its block
+  double firing_us;      ///< after the time of its block, when the sensor is at the block's azimuth
+};
 
 /// What distinguishes the models of Hesai: the layout of their packets, and when their blocks are
 /// measured.
@@ -30,7 +35,7 @@ struct HesaiModel {
   double block_us;         ///< from one azimuth to the next
   double offset_us;        ///< from the packet's time to that of its first or last azimuth
   bool counts_from_first;  ///< whether the offset is that of the first azimuth
-  const std::vector<HesaiLaser>& lasers;  ///< by their channels
+  std::vector<HesaiLaser> lasers;  ///< by their channels
 
   /// Block `index` of a packet.
   const unsigned char* block_of(const HesaiPacket& packet, std::size_t index) const {

@@ -11,10 +11,8 @@
 #include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-#include "packets/azimuth_groups.hpp"
 #include "packets/hesai_models.hpp"
-#include "packets/packet_times.hpp"
-#include "packets/scan_of_packets.hpp"
+#include "packets/packet_decoding.hpp"
 
 namespace lidar_mapping::preprocessing {
 

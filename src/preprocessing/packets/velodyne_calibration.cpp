@@ -2,6 +2,7 @@
 #include "lidar_mapping/preprocessing/velodyne_calibration.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -26,10 +27,10 @@ class Entries {
   }
 
   /// The number; the default if the entry is missing. Without a default it has to be there.
-  double number(const std::string& key, const double* otherwise) const {
+  double number(const std::string& key, std::optional<double> otherwise = std::nullopt) const {
     const auto found = map_->find(key);
     if (found == map_->end()) {
-      if (otherwise == nullptr) fail("has no entry '" + key + "'");
+      if (!otherwise) fail("has no entry '" + key + "'");
       return *otherwise;
     }
     const double* real = std::get_if<double>(&found->second.data);
@@ -40,8 +41,6 @@ class Entries {
     }
     return value;
   }
-  double number(const std::string& key) const { return number(key, nullptr); }
-  double number(const std::string& key, double otherwise) const { return number(key, &otherwise); }
 
   bool flag(const std::string& key) const {
     const auto found = map_->find(key);

@@ -12,9 +12,7 @@
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-#include "packets/azimuth_groups.hpp"
-#include "packets/packet_times.hpp"
-#include "packets/scan_of_packets.hpp"
+#include "packets/packet_decoding.hpp"
 #include "packets/velodyne_models.hpp"
 
 namespace lidar_mapping::preprocessing {

@@ -111,12 +111,8 @@ PassLimits::PassLimits(const PreprocessingConfig& config)
 }
 
 PackedPoints packed_in(const PointCloud& cloud) {
-  const auto* first = reinterpret_cast<const unsigned char*>(cloud.points.data());
-  PackedPoints packed;
-  packed.first = first;
-  packed.step = sizeof(Point);
-  packed.intensity = offsetof(Point, intensity);
-  return packed;
+  return {nullptr, reinterpret_cast<const unsigned char*>(cloud.points.data()), sizeof(Point),
+          offsetof(Point, intensity)};
 }
 
 std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
@@ -125,21 +121,15 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
   if (cloud.empty()) return 0;
   const std::vector<MotionSlot> slots =
       motion == nullptr ? identity_slots() : slots_of(*motion, T_base_sensor.rotation);
-  SlottedMotion slotted{};
-  slotted.slots = slots.data();
-  slotted.count = static_cast<int>(slots.size());
+  SlottedMotion slotted{slots.data(), static_cast<int>(slots.size()), 0.0F, 0.0F};
   if (motion != nullptr) {
     slotted.begin = static_cast<float>(motion->begin);
     slotted.slots_per_second = static_cast<float>(kSlotsPerStep / motion->step);
   }
   const bool keeps_times = cloud.has_times() && times == PointTimesAfter::kKept;
   static_assert(sizeof(Point) == 4 * sizeof(float));
-  PointSource source{};
-  source.first = packed.first;
-  source.step = packed.step;
-  source.intensity = packed.intensity;
-  source.times = cloud.has_times() ? cloud.times.data() : nullptr;
-  source.count = cloud.size();
+  const PointSource source{packed.first, packed.step, packed.intensity,
+                           cloud.has_times() ? cloud.times.data() : nullptr, cloud.size()};
   const MoveResult result = move_kernel()(source, {&cloud.points.data()->x, cloud.times.data()},
                                           keep_rule(limits, T_base_sensor), slotted, keeps_times);
   cloud.points.resize(result.kept);

@@ -29,15 +29,8 @@ std::string implausible(const TimeSpan& span, const PreprocessingConfig& config)
 
 /// Offset between times relative to the scan's start and times relative to its stamp.
 double start_to_stamp(const PreprocessingConfig& config) {
-  switch (config.scan_stamp) {
-    case ScanStamp::kStart:
-      return 0.0;
-    case ScanStamp::kMiddle:
-      return 0.5 * config.scan_period;
-    case ScanStamp::kEnd:
-      return config.scan_period;
-  }
-  return 0.0;
+  if (config.scan_stamp == ScanStamp::kStart) return 0.0;
+  return config.scan_stamp == ScanStamp::kMiddle ? 0.5 * config.scan_period : config.scan_period;
 }
 
 constexpr std::size_t kLanes = 4;  // floats in a register of 128 bits

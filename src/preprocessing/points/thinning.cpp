@@ -61,13 +61,11 @@ PointCloud filtered_by(Filter& filter, PointCloud cloud) {
 }  // namespace
 
 PointCloud downsampled(PointCloud cloud, const PreprocessingConfig& config) {
-  switch (config.downsample_method) {
-    case DownsampleMethod::kNone:
-      break;
-    case DownsampleMethod::kVoxelGrid:
-      return voxel_filtered(cloud, config.downsample_resolution);
-    case DownsampleMethod::kApproximateVoxelGrid:
-      return first_of_each_voxel(std::move(cloud), config.downsample_resolution);
+  if (config.downsample_method == DownsampleMethod::kVoxelGrid) {
+    return voxel_filtered(cloud, config.downsample_resolution);
+  }
+  if (config.downsample_method == DownsampleMethod::kApproximateVoxelGrid) {
+    return first_of_each_voxel(std::move(cloud), config.downsample_resolution);
   }
   return cloud;
 }

@@ -124,6 +124,7 @@ Carrier legged_carrier() {
   carrier.damping = 0.3;
   carrier.sway = 0.015;
   carrier.tilts_with_ground = true;
+  carrier.mounting = legged_mounting();
   return carrier;
 }
 

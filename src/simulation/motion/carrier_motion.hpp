@@ -7,6 +7,7 @@
 #include "lidar_mapping/simulation/smooth_trajectory.hpp"
 
 #include "motion/track.hpp"
+#include "sensors/mounting.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -26,6 +27,7 @@ struct Carrier {
   double damping = 0.4;    ///< Damping as a fraction of the critical one.
   double sway = 0.1;       ///< Amplitude of slow movements about each axis, rad.
   bool tilts_with_ground = false;
+  SensorMounting mounting = hand_held_mounting();
 };
 
 /// A person who walks with the sensor in the hands.

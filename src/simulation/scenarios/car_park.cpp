@@ -103,12 +103,6 @@ GroundUnder floor_under(const Path& path, const Profile& profile) {
   };
 }
 
-/// A horizontal rectangle between two corners.
-void add_plate(TriangleMesh& mesh, double x0, double y0, double x1, double y1, double z,
-               Reflectivity reflectivity) {
-  add_quad(mesh, {x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}, reflectivity);
-}
-
 /// A slab whose top is at `z`, with a hole for the ramp from below.
 void add_slab(TriangleMesh& mesh, double z) {
   const double y0 = kRampY - kRampHalfWidth, y1 = kRampY + kRampHalfWidth;
@@ -170,7 +164,9 @@ void park_cars(TriangleMesh& mesh, double z, Random& random) {
 }
 
 void add_building(TriangleMesh& mesh, Random& random, std::uint64_t day) {
-  add_plate(mesh, 0.0, 0.0, kLength, kWidth, 0.02, kConcrete);
+  constexpr double kFloor = 0.02;  // m; chosen: just above the ground
+  add_quad(mesh, {0.0, 0.0, kFloor}, {kLength, 0.0, kFloor}, {kLength, kWidth, kFloor},
+           {0.0, kWidth, kFloor}, kConcrete);
   for (int storey = 0; storey < kStoreys; ++storey) {
     const double z = storey * kStorey;
     const bool is_top = storey + 1 == kStoreys;

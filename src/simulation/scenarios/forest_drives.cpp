@@ -62,12 +62,11 @@ std::vector<Ground> ground_under(const Track& track, const Terrain& terrain) {
   return ground;
 }
 
-Scenario scenario_on_foot(const DriveOptions& options, const Track& track, const Carrier& carrier,
-                          const SensorMounting& mounting) {
+Scenario scenario_on_foot(const DriveOptions& options, const Track& track, const Carrier& carrier) {
   const std::vector<Ground> ground = ground_under(track, forest_floor(options));
   return forest_scenario(options, track, kClearOnFoot,
                          carried_trajectory(track, ground, carrier, Random(options.seed, kMotion)),
-                         mounting);
+                         carrier.mounting);
 }
 
 /// A round and a little more.
@@ -86,18 +85,15 @@ Track round_track(const DriveOptions& options, const SpeedLimits& limits) {
 }  // namespace
 
 Scenario make_handheld_forest(const DriveOptions& options) {
-  return scenario_on_foot(options, round_track(options, {1.4, 1.3, 1.2}), hand_held_carrier(),
-                          hand_held_mounting());
+  return scenario_on_foot(options, round_track(options, {1.4, 1.3, 1.2}), hand_held_carrier());
 }
 
 Scenario make_running_forest(const DriveOptions& options) {
-  return scenario_on_foot(options, round_track(options, {3.5, 4.0, 2.5}), running_carrier(),
-                          hand_held_mounting());
+  return scenario_on_foot(options, round_track(options, {3.5, 4.0, 2.5}), running_carrier());
 }
 
 Scenario make_legged_forest(const DriveOptions& options) {
-  return scenario_on_foot(options, round_track(options, {1.0, 1.0, 0.8}), legged_carrier(),
-                          legged_mounting());
+  return scenario_on_foot(options, round_track(options, {1.0, 1.0, 0.8}), legged_carrier());
 }
 
 Scenario make_drone(const DriveOptions& options) {

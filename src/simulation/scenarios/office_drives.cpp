@@ -3,7 +3,6 @@
 
 #include "motion/carrier_motion.hpp"
 #include "scenarios/scenario.hpp"
-#include "sensors/mounting.hpp"
 #include "worlds/office.hpp"
 
 namespace lidar_mapping::simulation {
@@ -18,12 +17,11 @@ using Points = std::vector<Eigen::Vector2d>;
 constexpr double kRoom = kOfficeCorridor + 0.5 * kOfficeRoomDepth;
 constexpr double kL = kOfficeLength, kW = kOfficeWidth;
 
-Scenario office_scenario(const DriveOptions& options, const Track& track, const Carrier& carrier,
-                         const SensorMounting& mounting) {
+Scenario office_scenario(const DriveOptions& options, const Track& track, const Carrier& carrier) {
   const std::vector<Ground> floor(track.states().size());
   Scenario scenario =
       carrier_scenario(carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
-                       mounting, {{0.0, track.seconds()}});
+                       carrier.mounting, {{0.0, track.seconds()}});
   add_office(scenario.world.fixed, Random(options.seed, kMesh));
   return scenario;
 }
@@ -52,7 +50,7 @@ Scenario make_handheld(const DriveOptions& options) {
     track.turn(2.0 * kPi, 2.5);
   };
   return office_scenario(options, track_through_rooms({1.4, 1.3, 1.2}, look_around),
-                         hand_held_carrier(), hand_held_mounting());
+                         hand_held_carrier());
 }
 
 Scenario make_spin(const DriveOptions& options) {
@@ -62,8 +60,7 @@ Scenario make_spin(const DriveOptions& options) {
       track.stand(0.3);
     }
   };
-  return office_scenario(options, track_through_rooms({1.4, 1.3, 1.2}, spin), hand_held_carrier(),
-                         hand_held_mounting());
+  return office_scenario(options, track_through_rooms({1.4, 1.3, 1.2}, spin), hand_held_carrier());
 }
 
 Scenario make_running(const DriveOptions& options) {
@@ -73,13 +70,13 @@ Scenario make_running(const DriveOptions& options) {
   for (int i = 0; i < 3; ++i) track.walk(round, {3.2, 3.0, 2.5}, {0.9, 0.3});
   track.walk({{3.0, 0.0}}, {1.5, 1.0, 1.0});
   track.stand(2.0);
-  return office_scenario(options, track, running_carrier(), hand_held_mounting());
+  return office_scenario(options, track, running_carrier());
 }
 
 Scenario make_legged(const DriveOptions& options) {
   const auto turn_once = [](Track& track) { track.turn(2.0 * kPi, 1.5); };
-  return office_scenario(options, track_through_rooms({1.0, 1.0, 0.8}, turn_once), legged_carrier(),
-                         legged_mounting());
+  return office_scenario(options, track_through_rooms({1.0, 1.0, 0.8}, turn_once),
+                         legged_carrier());
 }
 
 }  // namespace lidar_mapping::simulation

@@ -7,7 +7,6 @@
 #include "motion/carrier_motion.hpp"
 #include "motion/smoothing.hpp"
 #include "scenarios/scenario.hpp"
-#include "sensors/mounting.hpp"
 #include "worlds/stair_building.hpp"
 
 namespace lidar_mapping::simulation {
@@ -32,7 +31,7 @@ Scenario building_scenario(const DriveOptions& options, const Track& track,
                            const std::vector<Ground>& floor, const Carrier& carrier) {
   Scenario scenario =
       carrier_scenario(carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
-                       hand_held_mounting(), {{0.0, track.seconds()}});
+                       carrier.mounting, {{0.0, track.seconds()}});
   add_stair_building(scenario.world.fixed, Random(options.seed, kMesh));
   return scenario;
 }

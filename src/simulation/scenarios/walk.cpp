@@ -22,47 +22,31 @@ enum Stream : std::uint64_t { kMesh = 0x500, kMotion, kPeople };
 
 constexpr double kCarried = 1.2;  ///< Height of base_link, m; chosen: in the hands of a person.
 
+/// Adds the way through a door, round in the room behind it and out again.
+void add_room(std::vector<Eigen::Vector2d>& corners, const Eigen::Vector2d& door,
+              const Eigen::Vector2d& inwards) {
+  // From the middle of the corridor to that of the room.
+  const Eigen::Vector2d middle = door + (kOfficeCorridor + 0.5 * kOfficeRoomDepth) * inwards;
+  const Eigen::Vector2d deep = door + (kOfficeCorridor + 0.5 * kOfficeRoomDepth + 1.6) * inwards;
+  const Eigen::Vector2d left = 1.8 * Eigen::Vector2d(-inwards.y(), inwards.x());
+  corners.insert(corners.end(), {door, middle, middle + left, deep + left, deep - left,
+                                 middle - left, middle - 0.4 * inwards, door});
+}
+
 /// Corners of the walk: along the corridor, into rooms and out again, round the ring, and over the
 /// first corridor again.
 std::vector<Eigen::Vector2d> corners() {
-  // From the middle of the corridor to that of a room.
-  const double inside = kOfficeCorridor + 0.5 * kOfficeRoomDepth;
-  const double deep = inside + 1.6;
   const double l = kOfficeLength, w = kOfficeWidth;
-  // Into the second room of the lower side and round in it, then the same above and at the right.
-  return {{1.0, 0.0},
-          {9.0, 0.0},
-          {9.0, -inside},
-          {10.8, -inside},
-          {10.8, -deep},
-          {7.2, -deep},
-          {7.2, -inside},
-          {9.0, -inside + 0.4},
-          {9.0, 0.0},
-          {l, 0.0},
-          {l, 9.0},
-          {l + inside, 9.0},
-          {l + inside, 10.8},
-          {l + deep, 10.8},
-          {l + deep, 7.2},
-          {l + inside, 7.2},
-          {l + inside - 0.4, 9.0},
-          {l, 9.0},
-          {l, w},
-          {21.0, w},
-          {21.0, w + inside},
-          {19.2, w + inside},
-          {19.2, w + deep},
-          {22.8, w + deep},
-          {22.8, w + inside},
-          {21.0, w + inside - 0.4},
-          {21.0, w},
-          {0.0, w},
-          {0.0, 0.0},
-          {l, -0.2},
-          {l, w - 0.2},
-          {0.2, w},
-          {0.2, 3.0}};
+  std::vector<Eigen::Vector2d> corners = {{1.0, 0.0}};
+  // The second room of the lower side, then the same at the right and above.
+  add_room(corners, {9.0, 0.0}, {0.0, -1.0});
+  corners.emplace_back(l, 0.0);
+  add_room(corners, {l, 9.0}, {1.0, 0.0});
+  corners.emplace_back(l, w);
+  add_room(corners, {21.0, w}, {0.0, 1.0});
+  corners.insert(corners.end(),
+                 {{0.0, w}, {0.0, 0.0}, {l, -0.2}, {l, w - 0.2}, {0.2, w}, {0.2, 3.0}});
+  return corners;
 }
 
 /// Adds steps and movements of the hand to a smooth walk.

@@ -9,48 +9,40 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Without errors, for tests.
-ImuModel ideal() { return {{}, {}, 0.0}; }
-
-/// A calibrated unit with its own attitude filter.
-ImuModel good() {
+struct NamedImu {
+  const char* name;
   ImuModel model;
-  model.orientation_noise = kOrientationNoise;
-  model.gyro.noise = kGyroNoise;
-  model.gyro.bias = kGyroBias;
-  model.accelerometer.noise = kAccelerometerNoise;
-  model.accelerometer.bias = kAccelerometerBias;
-  return model;
-}
+};
 
-/// As in telephones and inside LiDARs, uncalibrated. Values of their data sheets: 0.015 degrees/s
-/// and 230 micro-g per square root of Hz, biases of 1 degree/s and 30 milli-g.
-ImuModel consumer() {
-  ImuModel model;
-  model.gyro.noise_density = 2.6e-4;
-  model.gyro.bias = 0.017;
-  model.gyro.bias_walk = 1e-4;
-  model.gyro.scale = 0.01;
-  model.gyro.misalignment = 0.01;
-  model.gyro.range = 34.9;
-  model.accelerometer.noise_density = 2.3e-3;
-  model.accelerometer.bias = 0.3;
-  model.accelerometer.bias_walk = 1e-3;
-  model.accelerometer.scale = 0.005;
-  model.accelerometer.misalignment = 0.01;
-  model.accelerometer.range = 4.0 * kGravity;
-  return model;
-}
+// The columns of a sensor: noise, noise_density, bias, bias_walk, scale, misalignment, range.
+const NamedImu kModels[] = {
+    // A calibrated unit with its own attitude filter.
+    {"good",
+     {{kGyroNoise, 0.0, kGyroBias},
+      {kAccelerometerNoise, 0.0, kAccelerometerBias},
+      kOrientationNoise}},
+    // As in telephones and inside LiDARs, uncalibrated. Values of their data sheets: 0.015
+    // degrees/s and 230 micro-g per square root of Hz, biases of 1 degree/s and 30 milli-g.
+    {"consumer",
+     {{0.0, 2.6e-4, 0.017, 1e-4, 0.01, 0.01, 34.9},
+      {0.0, 2.3e-3, 0.3, 1e-3, 0.005, 0.01, 4.0 * kGravity},
+      {}}},
+    // Without errors, for tests.
+    {"ideal", {{}, {}, 0.0}}};
 
 }  // namespace
 
 ImuModel imu_model(const std::string& name) {
-  if (name == "good") return good();
-  if (name == "consumer") return consumer();
-  if (name == "ideal") return ideal();
+  for (const NamedImu& known : kModels) {
+    if (name == known.name) return known.model;
+  }
   throw ConfigError("imu: '" + name + "' is unknown; use good, consumer or ideal");
 }
 
-std::vector<std::string> imu_names() { return {"good", "consumer", "ideal"}; }
+std::vector<std::string> imu_names() {
+  std::vector<std::string> names;
+  for (const NamedImu& known : kModels) names.emplace_back(known.name);
+  return names;
+}
 
 }  // namespace lidar_mapping::simulation

@@ -56,10 +56,9 @@ class InertialSensor {
   Random own_;
 };
 
-template <typename Interval>
-bool lies_in(const std::vector<Interval>& intervals, double seconds) {
-  return std::any_of(intervals.begin(), intervals.end(), [&](const Interval& interval) {
-    return seconds >= interval.begin_s && seconds < interval.end_s;
+bool lies_in(const std::vector<GnssOutage>& outages, double seconds) {
+  return std::any_of(outages.begin(), outages.end(), [&](const GnssOutage& outage) {
+    return seconds >= outage.begin_s && seconds < outage.end_s;
   });
 }
 

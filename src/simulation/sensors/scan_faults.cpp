@@ -9,7 +9,6 @@
 #include "lidar_mapping/simulation/random.hpp"
 
 #include "sensors/fault_text.hpp"
-#include "sensors/ray_returns.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -55,6 +54,41 @@ constexpr Description kDescriptions[] = {
      1e6},
     {"sparse", Kind::kSparse, "sparse=POINTS, 1 or more", 1.0, 1e9},
     {"times", Kind::kTimes, "times=none or times=negated", 0.0, 1.0}};
+
+/// Return of one ray of a frame.
+struct RayReturn {
+  bool is_valid = false;
+  Point point;  ///< Point in the frame of the LiDAR, m.
+  std::uint8_t moving = 0;
+};
+
+/// A scan as a table with one entry per ray, in the order of ray_directions().
+std::vector<RayReturn> returns_of(const SimulatedScan& scan, const LidarModel& lidar) {
+  std::vector<RayReturn> returns(lidar.ray_count());
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+    returns[scan.rays[i]] = {true, scan.cloud.points[i], scan.moving[i]};
+  }
+  return returns;
+}
+
+/// Converts such a table to a scan with the stamps of `scan`.
+SimulatedScan scan_of(const std::vector<RayReturn>& returns, const SimulatedScan& scan,
+                      const LidarModel& lidar) {
+  const auto beams = static_cast<std::size_t>(lidar.beams);
+  SimulatedScan result;
+  result.stamp = scan.stamp;
+  result.end = scan.end;
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    if (!returns[i].is_valid) continue;
+    result.cloud.points.push_back(returns[i].point);
+    result.moving.push_back(returns[i].moving);
+    result.rays.push_back(static_cast<std::uint32_t>(i));
+    if (!scan.cloud.has_times()) continue;
+    const Stamp delay = column_delay(lidar, scan.end - scan.stamp, static_cast<int>(i / beams));
+    result.cloud.times.push_back(static_cast<float>(to_seconds(delay)));
+  }
+  return result;
+}
 
 std::size_t count_valid(const std::vector<RayReturn>& rays) {
   return static_cast<std::size_t>(

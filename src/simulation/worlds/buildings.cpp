@@ -170,22 +170,19 @@ void add_roof(TriangleMesh& mesh, const Pose& T_mesh_house, const HousePlan& pla
   }
 }
 
-Pose wall_pose(double x, double y, double yaw) {
-  return {rotation_about_z(yaw), Eigen::Vector3d(x, y, 0.0)};
-}
-
 }  // namespace
 
 void add_house(TriangleMesh& mesh, const Pose& T_mesh_house, const HousePlan& plan, Random random) {
   const Style style = draw_style(random);
   const double half = 0.5 * plan.width;
-  const auto wall = [&](const Pose& T_house_wall, double width) {
+  const auto wall = [&](double x, double y, double yaw, double width) {
+    const Pose T_house_wall{rotation_about_z(yaw), {x, y, 0.0}};
     add_facade(mesh, T_mesh_house * T_house_wall, width, plan, style, random);
   };
-  wall(wall_pose(-half, 0.0, 0.0), plan.width);
-  wall(wall_pose(half, 0.0, 0.5 * kPi), plan.depth);
-  wall(wall_pose(half, plan.depth, kPi), plan.width);
-  wall(wall_pose(-half, plan.depth, -0.5 * kPi), plan.depth);
+  wall(-half, 0.0, 0.0, plan.width);
+  wall(half, 0.0, 0.5 * kPi, plan.depth);
+  wall(half, plan.depth, kPi, plan.width);
+  wall(-half, plan.depth, -0.5 * kPi, plan.depth);
   add_roof(mesh, T_mesh_house, plan, style, random);
 }
 

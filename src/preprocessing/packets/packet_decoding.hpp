@@ -3,15 +3,44 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/preprocessing/packet_scan.hpp"
 
 // What the decoders of Velodyne and Hesai have in common.
 namespace lidar_mapping::preprocessing {
+
+/// Counts of azimuth in a turn: 0.01 degrees each, by the user's manual of Velodyne and of Hesai.
+constexpr unsigned kTurn = 36000;
+
+/// The blocks of a packet that were measured at the same azimuth: of several banks of lasers, and
+/// all returns where a laser has more than one.
+struct AzimuthGroup {
+  std::size_t begin = 0;  ///< first block
+  std::size_t end = 0;    ///< after the last block
+  unsigned azimuth = 0;   ///< counts
+  double step = 0.0;      ///< counts to the next group; the last group has that of the one before
+};
+
+/// The groups of a packet with these azimuths of its `count` blocks, counts.
+std::vector<AzimuthGroup> azimuth_groups(const unsigned* azimuths, std::size_t count);
+
+/// When a packet came, and when it was made.
+struct PacketTime {
+  Stamp stamp = 0;                ///< when it came, ns
+  std::int64_t microseconds = 0;  ///< by the sensor's clock, us since that began anew
+};
+
+/// Times of packets, s after the scan's stamp. They are those of the sensor's clock, which no
+/// network delays; the packet that came soonest says how that clock stands to the stamps. Without
+/// such a clock the times are the stamps. `period`: us after which the sensor's clock begins anew.
+std::vector<double> packet_times(const std::vector<PacketTime>& packets, std::int64_t period,
+                                 Stamp stamp);
 
 /// Takes the packets that are not whole out of those of a scan, and returns the scan without its
 /// points. The memory of `buffer` is used again. Throws InputError if all packets are damaged.
