@@ -9,12 +9,14 @@
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "file_content.hpp"
+#include "holds.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using test::holds;
 
 Pose slip(std::mt19937& random, double sigma_m, double sigma_rad) {
   std::normal_distribution<double> normal;
@@ -129,29 +131,27 @@ class EvaluateTrajectoryCommand : public testing::Test {
 TEST_F(EvaluateTrajectoryCommand, ProposesToAlign) {
   write(seen_from(Pose::Identity(), elsewhere_, drive_), drive_);
   const std::string said = output_of("");
-  EXPECT_NE(said.find("with --align: the trajectories lie in different frames"), std::string::npos)
-      << said;
-  EXPECT_EQ(output_of("--align").find("hint"), std::string::npos);
+  EXPECT_TRUE(holds(said, "with --align: the trajectories lie in different frames"));
+  EXPECT_FALSE(holds(output_of("--align"), "hint"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, ProposesALeverArm) {
   write(seen_from(lever_arm_, Pose::Identity(), drive_), drive_);
-  EXPECT_NE(output_of("").find("with --lever-arm 1.20 -0.90 "), std::string::npos) << output_of("");
+  EXPECT_TRUE(holds(output_of(""), "with --lever-arm 1.20 -0.90 "));
   write(seen_from(lever_arm_, elsewhere_, drive_), drive_);
   for (const char* options : {"", "--align"}) {
     const std::string said = output_of(options);
-    EXPECT_NE(said.find("with --align --lever-arm 1.20 -0.90 "), std::string::npos) << said;
+    EXPECT_TRUE(holds(said, "with --align --lever-arm 1.20 -0.90 "));
   }
   const std::string said = output_of("--align --lever-arm 1.2 -0.9 0");
-  EXPECT_EQ(said.find("hint"), std::string::npos) << said;
-  EXPECT_NE(said.find("APE translation          rmse    0.0000"), std::string::npos) << said;
+  EXPECT_FALSE(holds(said, "hint"));
+  EXPECT_TRUE(holds(said, "APE translation          rmse    0.0000"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, ProposesTheAxesOfTheTruth) {
   const Pose turned{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::Zero()};
   write(seen_from(turned, Pose::Identity(), drive_), drive_);
-  EXPECT_NE(output_of("").find("--lever-rotation 0.0 0.0 90.0"), std::string::npos)
-      << output_of("");
+  EXPECT_TRUE(holds(output_of(""), "--lever-rotation 0.0 0.0 90.0"));
 }
 
 // An error that grows is no frame and no lever arm.
@@ -161,13 +161,13 @@ TEST_F(EvaluateTrajectoryCommand, ProposesNothingForDrift) {
   const Pose back = drive.truth.poses[0].pose * near.poses[0].pose.inverse();
   for (StampedPose& pose : near.poses) pose.pose = back * pose.pose;
   write(drive.truth, near);
-  EXPECT_EQ(output_of("--align").find("lever-arm"), std::string::npos) << output_of("--align");
+  EXPECT_FALSE(holds(output_of("--align"), "lever-arm"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, SaysOverWhatTheRelativeErrorIs) {
   write(drive_, drive_);
-  EXPECT_NE(output_of("--delta 25").find("RPE translation, 25 m"), std::string::npos);
-  EXPECT_NE(output_of("--delta 0").find("RPE rotation, each step"), std::string::npos);
+  EXPECT_TRUE(holds(output_of("--delta 25"), "RPE translation, 25 m"));
+  EXPECT_TRUE(holds(output_of("--delta 0"), "RPE rotation, each step"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, AlignsByTheFirstPosesAlone) {
@@ -176,8 +176,8 @@ TEST_F(EvaluateTrajectoryCommand, AlignsByTheFirstPosesAlone) {
   write(drive_, bent);
   const std::string said = output_of("--align --n-to-align 100");
   const std::string largest = "max    1.0000  m\nAPE rotation";
-  EXPECT_NE(said.find(largest), std::string::npos) << said;
-  EXPECT_EQ(output_of("--align").find(largest), std::string::npos);
+  EXPECT_TRUE(holds(said, largest));
+  EXPECT_FALSE(holds(output_of("--align"), largest));
 }
 
 TEST_F(EvaluateTrajectoryCommand, PlotsToAnyName) {

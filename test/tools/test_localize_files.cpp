@@ -11,6 +11,7 @@
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "examined_drive.hpp"
+#include "holds.hpp"
 #include "localization/localize_files.hpp"
 #include "localization/localize_summary.hpp"
 #include "near.hpp"
@@ -20,6 +21,7 @@ namespace lidar_mapping::tools {
 namespace {
 
 using localization::LocalizationState;
+using test::holds;
 using test::TemporaryFolder;
 
 const GeodeticDatum kKarlsruhe{49.0, 8.4, 110.0};
@@ -212,17 +214,15 @@ TEST(LocalizationFigures, CountStatesAndSayWhenThePlaceWasFound) {
   EXPECT_NEAR(figures["milliseconds"]["searching"]["mean"], 2.5, 1e-9);  // of two scans
   EXPECT_NEAR(figures["milliseconds"]["following"]["mean"], 2.0, 1e-9);
   const std::string text = localization_text(figures);
-  EXPECT_NE(text.find("found after 2.0 s and 3.0 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("50.0 % followed, 25.0 % outside the map, 0.0 % lost, 25.0 % searching"),
-            std::string::npos)
-      << text;
+  EXPECT_TRUE(holds(text, "found after 2.0 s and 3.0 m"));
+  EXPECT_TRUE(holds(text, "50.0 % followed, 25.0 % outside the map, 0.0 % lost, 25.0 % searching"));
 }
 
 TEST(LocalizationFigures, SayNothingOfAPlaceThatWasNotFound) {
   const json::Json figures =
       localization_figures({scan_with(LocalizationState::kSearching, 1'000'000'000)});
   EXPECT_TRUE(figures["found_after"].is_null());
-  EXPECT_EQ(localization_text(figures).find("found after"), std::string::npos);
+  EXPECT_FALSE(holds(localization_text(figures), "found after"));
 }
 
 }  // namespace

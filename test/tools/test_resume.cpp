@@ -30,7 +30,7 @@ class Resume : public test::MappedDrive {
   /// Maps some seconds of the drive.
   static fs::path broken_off(const TemporaryFolder& parent) {
     const fs::path folder = parent.path() / "session";
-    EXPECT_EQ(map({"-o", folder, "--duration", "6", "--formats", "pcd"}), 0) << said();
+    EXPECT_EQ(map({"-o", folder, "--duration", "6", "--formats", "pcd"}), 0);
     EXPECT_GT(key_frames_in(folder), 0U);
     EXPECT_LT(key_frames_in(folder), key_frames_in(whole()));
     return folder;
@@ -87,7 +87,7 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAKillAtAnyMoment) {
       if (!fs::exists(folder / "map" / file)) continue;
       EXPECT_EQ(content_of(folder / "map" / file), content_of(whole() / "map" / file)) << file;
     }
-    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
     expect_same_bytes(folder);
   }
 }
@@ -101,15 +101,15 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAStop) {
   EXPECT_EQ(program.wait(), 3) << said();
   EXPECT_TRUE(fs::exists(folder / "map" / "map.pcd"));
   EXPECT_TRUE(fs::exists(folder / "trajectory" / "optimized.tum"));
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
   expect_same_bytes(folder);
 }
 
 TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAPart) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  EXPECT_TRUE(has_said("key frames; they are mapped again")) << said();
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
+  EXPECT_TRUE(has_said("key frames; they are mapped again"));
   expect_same_bytes(folder);
 }
 
@@ -123,10 +123,10 @@ TEST_F(Resume, TakesNothingAwayIfItIsBrokenOffToo) {
   program.kill(SIGKILL);
   program.wait();
   EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
-  ASSERT_EQ(map({"-o", folder, "--resume", "--duration", "2", "--no-map"}), 0) << said();
-  EXPECT_TRUE(has_said("is not changed")) << said();
+  ASSERT_EQ(map({"-o", folder, "--resume", "--duration", "2", "--no-map"}), 0);
+  EXPECT_TRUE(has_said("is not changed"));
   EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
   expect_same_bytes(folder);
 }
 
@@ -135,16 +135,16 @@ TEST_F(Resume, MakesTheMapAloneOfASessionThatIsComplete) {
   const fs::path folder = parent.path() / "session";
   fs::copy(whole(), folder, fs::copy_options::recursive);
   fs::remove_all(folder / "map");
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  EXPECT_TRUE(has_said("all of the recording is mapped")) << said();
-  EXPECT_FALSE(has_said("times real time")) << said();
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
+  EXPECT_TRUE(has_said("all of the recording is mapped"));
+  EXPECT_FALSE(has_said("times real time"));
   expect_same_bytes(folder);
 }
 
 TEST_F(Resume, QuicklyGoesOnNearTheEnd) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
-  EXPECT_EQ(map({"-o", folder, "--quick-resume", "--no-map"}), 0) << said();
+  EXPECT_EQ(map({"-o", folder, "--quick-resume", "--no-map"}), 0);
   EXPECT_LT(difference_to_whole(folder), 0.02);
 }
 
@@ -154,7 +154,7 @@ TEST_F(Resume, BeginsWhereNothingButTheBeginningOfAFileIs) {
   const fs::path folder = parent.path() / "session";
   fs::create_directories(folder);
   std::ofstream(folder / ".run.json.part") << "{";
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
   expect_same_bytes(folder);
 }
 
@@ -166,13 +166,13 @@ TEST_F(Resume, RefusesAnotherRecording) {
   ASSERT_EQ(run("simulate_drive", {other, "--lidar", "vlp16", "--duration", "3", "--seed", "2"}),
             0);
   for (const char* how : {"--resume", "--quick-resume"}) {
-    EXPECT_EQ(run("map_bag", {other, "-o", folder, how}), 1) << said();
-    EXPECT_TRUE(has_said("is of another recording: it was made from drive.bag")) << said();
+    EXPECT_EQ(run("map_bag", {other, "-o", folder, how}), 1);
+    EXPECT_TRUE(has_said("is of another recording: it was made from drive.bag"));
   }
   EXPECT_EQ(map({"-o", folder, "--resume", "--parameter", "back_end/use_gnss: false"}), 1);
-  EXPECT_TRUE(has_said("other parameters: back_end had 'use_gnss: true'")) << said();
+  EXPECT_TRUE(has_said("other parameters: back_end had 'use_gnss: true'"));
   EXPECT_EQ(map({"-o", folder, "--resume", "--start", "1"}), 1);
-  EXPECT_TRUE(has_said("--start")) << said();
+  EXPECT_TRUE(has_said("--start"));
   EXPECT_EQ(content_of(folder / "session.db"), before);
 }
 
@@ -181,7 +181,7 @@ TEST_F(Resume, FindsTheRecordingInAnotherFolder) {
   const fs::path folder = broken_off(parent);
   const std::string moved = parent.path() / "renamed.bag";
   fs::create_hard_link(bag(), moved);
-  EXPECT_EQ(run("map_bag", {moved, "-o", folder, "--resume", "--no-map"}), 0) << said();
+  EXPECT_EQ(run("map_bag", {moved, "-o", folder, "--resume", "--no-map"}), 0);
   EXPECT_EQ(key_frames_in(folder), key_frames_in(whole()));
 }
 
@@ -190,7 +190,7 @@ TEST_F(Resume, RefusesASessionOfUnknownOrigin) {
   const fs::path folder = broken_off(parent);
   fs::remove(folder / "run.json");
   EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
-  EXPECT_TRUE(has_said("which recording")) << said();
+  EXPECT_TRUE(has_said("which recording"));
 }
 
 TEST_F(Resume, KeepsWhatAPersonDecided) {
@@ -204,7 +204,7 @@ TEST_F(Resume, KeepsWhatAPersonDecided) {
     session.set_loop_decision(0, 2, LoopDecision::kRefuse);
   }
   EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
-  EXPECT_TRUE(has_said("a user has decided about loops")) << said();
+  EXPECT_TRUE(has_said("a user has decided about loops"));
 }
 
 TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
@@ -214,7 +214,7 @@ TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
   }
   const fs::path folder = disk.path() / "session";
   EXPECT_EQ(map({"-o", folder.string(), "--no-map"}), 1);
-  EXPECT_TRUE(has_said((folder / "key_frames").string())) << said();
+  EXPECT_TRUE(has_said((folder / "key_frames").string()));
   {
     const Session session = Session::open(folder, Session::Access::kRead);
     EXPECT_GT(session.key_frame_count(), 0U);
@@ -223,7 +223,7 @@ TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
     }
   }
   ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT, "size=100m"), 0);
-  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
+  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0);
   EXPECT_EQ(key_frames_in(folder), key_frames_in(whole()));
   EXPECT_LT(difference_to_whole(folder), 1e-9);
   umount(disk.path().c_str());
