@@ -3,23 +3,17 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/prior_of.hpp"
-#include "lidar_mapping/preprocessing/preprocessor.hpp"
 
+#include "campaign_imu.hpp"
 #include "evaluated_drive.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
-
-constexpr char kLidarFrame[] = "lidar";
-constexpr char kImuFrame[] = "imu";
-constexpr Stamp kAfterSweep = from_seconds(0.03);
 
 simulation::Drive carried_drive(const std::string& name, double duration,
                                 const std::string& fault = "") {
@@ -27,46 +21,6 @@ simulation::Drive carried_drive(const std::string& name, double duration,
   options.imu = "consumer";
   return faulty_drive(options, fault);
 }
-
-/// Scans and rates of a drive, as preprocessing gives them.
-class Preprocessed {
- public:
-  explicit Preprocessed(const simulation::Drive& drive)
-      : drive_(drive), samples_(drive.imu()), preprocessor_(config(), mounted(drive.mounting())) {}
-
-  preprocessing::SyncedScan next(std::size_t index) {
-    simulation::SimulatedScan taken = drive_.scan(index);
-    for (; added_ < samples_.size() && samples_[added_].stamp <= taken.end + kAfterSweep;
-         ++added_) {
-      preprocessor_.add_imu(samples_[added_], kImuFrame);
-    }
-    preprocessing::RawScan raw;
-    raw.stamp = taken.stamp;
-    raw.frame_id = kLidarFrame;
-    raw.cloud = std::move(taken.cloud);
-    auto complete = preprocessor_.process(std::move(raw));
-    if (complete.empty()) complete = preprocessor_.flush();
-    return std::move(complete.back());
-  }
-
- private:
-  static preprocessing::PreprocessingConfig config() {
-    preprocessing::PreprocessingConfig config;
-    config.use_velocity = config.use_gnss = false;
-    return config;
-  }
-
-  static preprocessing::ExtrinsicLookup mounted(const simulation::SensorMounting& mounting) {
-    return [mounting](const std::string& frame) {
-      return std::optional<Pose>(frame == kImuFrame ? mounting.T_base_imu : mounting.T_base_lidar);
-    };
-  }
-
-  const simulation::Drive& drive_;
-  std::vector<ImuSample> samples_;
-  std::size_t added_ = 0;
-  preprocessing::Preprocessor preprocessor_;
-};
 
 struct Outcome {
   std::size_t lost = 0;
@@ -85,10 +39,10 @@ constexpr std::size_t kFirstSecond = 10;
 
 Outcome follow(const simulation::Drive& drive) {
   EvaluatedDrive ride(drive);
-  Preprocessed scans(drive);
+  campaign::ImuFeed scans(drive);
   Outcome outcome;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    const preprocessing::SyncedScan synced = scans.next(i);
+    const preprocessing::SyncedScan synced = scans.next(i).value();
     const FrontEndResult& result = ride.process(
         synced.scan, prior_of(synced.imu, std::nullopt, synced.uneven_turning, synced.felt));
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
