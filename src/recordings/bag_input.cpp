@@ -17,7 +17,6 @@
 #include "lidar_mapping/ros/moving_frame.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"

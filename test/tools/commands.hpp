@@ -25,7 +25,8 @@ inline std::ostream& operator<<(std::ostream& out, const Ending& ending) {
   return out << ending.status << " after saying\n" << ending.said;
 }
 
-/// Runs commands of this package; their files lie in one folder for all tests of a program.
+/// Runs commands of this package. Their files lie in one folder for all tests of a program, or in
+/// one of the test.
 class Commands : public testing::Test {
  protected:
   static const std::filesystem::path& root() {
@@ -46,6 +47,8 @@ class Commands : public testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
+
+  const TemporaryFolder folder_;  ///< of the test
 };
 
 }  // namespace lidar_mapping::test

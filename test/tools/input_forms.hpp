@@ -2,9 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
-#include <utility>
 
 #include "lidar_mapping/common/trajectory.hpp"
 
@@ -45,17 +43,13 @@ class InputForms : public Commands {
   std::string written(const std::string& name, const WriteCloud& write) const {
     return rewritten(name, for_clouds(write));
   }
-  /// The odometry that map_bag makes of a recording, and what it says of it.
-  std::pair<Trajectory, std::string> mapped_and_said(const std::string& input,
-                                                     const Words& more = {}) const {
+  /// The odometry that map_bag makes of a recording.
+  Trajectory mapped(const std::string& input, const Words& more = {}) const {
     static int sessions = 0;
     const std::string session = folder_.path() / ("session_" + std::to_string(++sessions));
     const Words words = {input, "-o", session, "--no-map", "--allow-doubt"};
     EXPECT_EQ(run("map_bag", joined(words, more)), 0);
-    return {read_trajectory(session + "/trajectory/laser_odom_scans.tum"), said()};
-  }
-  Trajectory mapped(const std::string& input, const Words& more = {}) const {
-    return mapped_and_said(input, more).first;
+    return read_trajectory(session + "/trajectory/laser_odom_scans.tum");
   }
   /// What check_bag says of a recording, and its exit status.
   static Ending checked(const std::string& input, const Words& more = {}) {
@@ -84,8 +78,6 @@ class InputForms : public Commands {
     EXPECT_TRUE(holds(ending.said, words));
     EXPECT_EQ(ending, status);
   }
-
-  const TemporaryFolder folder_;
 
   /// The odometry of the drive with its clouds as they are, made once for all tests.
   Trajectory plain_poses() const {

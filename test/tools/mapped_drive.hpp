@@ -36,8 +36,11 @@ class MappedDrive : public Commands {
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
                                                   std::filesystem::directory_iterator()));
   }
+  static session::Session opened(const std::filesystem::path& folder) {
+    return session::Session::open(folder, session::Session::Access::kRead);
+  }
   static std::size_t key_frames_in(const std::filesystem::path& folder) {
-    return session::Session::open(folder, session::Session::Access::kRead).key_frame_count();
+    return opened(folder).key_frame_count();
   }
   /// Waits until so many key frames have been written, or the program has ended.
   static void wait_for_key_frames(const Program& program, const std::filesystem::path& folder,

@@ -15,7 +15,6 @@ namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
 using test::Words;
 
 class BuildMap : public test::MappedDrive {
@@ -27,7 +26,6 @@ class BuildMap : public test::MappedDrive {
     return session::read_pcd(target / "map.pcd");
   }
 
-  TemporaryFolder folder_;
   int runs_ = 0;
 };
 
@@ -60,8 +58,7 @@ TEST_F(BuildMap, CropsToABox) {
 }
 
 TEST_F(BuildMap, TakesTheKeyFramesUpToADate) {
-  const auto key_frames =
-      session::Session::open(whole(), session::Session::Access::kRead).key_frames();
+  const auto key_frames = opened(whole()).key_frames();
   const std::string day = iso_date(key_frames.back().stamp).substr(0, 10);
   EXPECT_EQ(built({"--formats", "pcd", "--as-of", day}).size(), built({"--formats", "pcd"}).size());
   const std::string second = iso_date(key_frames[key_frames.size() / 2].stamp);
@@ -86,7 +83,7 @@ TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
   EXPECT_FALSE(fs::exists(target / "ept" / "index.html")) << "nobody asked for the page";
   const auto ept = nlohmann::json::parse(test::content_of(target / "ept" / "ept.json"));
   EXPECT_EQ(ept["points"], session::read_pcd(target / "map.pcd").size());
-  const auto session = session::Session::open(whole(), session::Session::Access::kRead);
+  const auto session = opened(whole());
   const auto& time = ept["schema"][5];
   ASSERT_EQ(time["name"], "GpsTime");
   EXPECT_EQ(time["minimum"], to_seconds(session.key_frames().front().stamp));
@@ -104,8 +101,7 @@ TEST_F(BuildMap, RefusesCellsSmallerThanTheVoxels) {
 TEST_F(BuildMap, PlacesKeyFramesWhereATrajectorySays) {
   const PointCloud own = built({"--formats", "pcd"});
   Trajectory moved;
-  for (const KeyFramePose& pose :
-       session::Session::open(whole(), session::Session::Access::kRead).poses().poses) {
+  for (const KeyFramePose& pose : opened(whole()).poses().poses) {
     moved.poses.push_back({pose.stamp, pose.T_map_base});
     moved.poses.back().pose.translation.z() += 100.0;
   }

@@ -20,7 +20,6 @@
 namespace lidar_mapping::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using test::error_text;
 using test::holds;
 

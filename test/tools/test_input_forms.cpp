@@ -22,8 +22,8 @@ TEST_F(InputForms, SplitTimes) { expect_poses_of_the_drive("split", with(test::w
 TEST_F(InputForms, LivoxCustomMsgOfBothDrivers) {
   expect_poses_of_the_drive("livox", with(test::as_livox<LivoxDriver::kOne>));
   expect_poses_of_the_drive("livox2", with(test::as_livox<LivoxDriver::kTwo>));
-  const auto said = checked(written("said", with(test::as_livox<LivoxDriver::kTwo>)));
-  expect_said(said, "fields offset_time x y z reflectivity tag line", 0);
+  expect_said(checked(written("said", with(test::as_livox<LivoxDriver::kTwo>))),
+              "fields offset_time x y z reflectivity tag line", 0);
   EXPECT_TRUE(has_said("times in `offset_time` (ns, relative)"));
 }
 
@@ -41,8 +41,7 @@ TEST_F(InputForms, VelodynePackets) {
   const std::string clouds =
       written("clouds", with([](const PointCloud2& cloud) { return turn_of(cloud).cloud; }));
   expect_equal_poses(mapped(packets), mapped(clouds));
-  const auto said = checked(packets);
-  expect_said(said, "75 packets of a Velodyne VLP-16", 0);
+  expect_said(checked(packets), "75 packets of a Velodyne VLP-16", 0);
   EXPECT_TRUE(has_said("times in `packets` (us, absolute) from -0.0987 to 0.00"));
 }
 
@@ -72,8 +71,7 @@ TEST_F(InputForms, HesaiPacketsOfBothDrivers) {
   expect_equal_poses(
       mapped(written("pandar_msgs", hesai_packets_with<PandarDriver::kPandarMsgs>(as_they_are))),
       plain);
-  const auto said = checked(packets);
-  expect_said(said, "225 packets of a Hesai PandarXT-16", 0);
+  expect_said(checked(packets), "225 packets of a Hesai PandarXT-16", 0);
   EXPECT_TRUE(has_said("times in `packets` (us, absolute) from -0.0003 to 0.0996"));
 }
 
@@ -203,9 +201,9 @@ TEST_F(InputForms, CutMessagesAreNamed) {
     message.read(half);
     to.write(kTopic, recorded, message);
   };
-  const auto said = checked(written("cut", cut));
-  expect_said(
-      said, "no message on /points (livox_ros_driver/CustomMsg) can be read: they are cut off", 1);
+  expect_said(checked(written("cut", cut)),
+              "no message on /points (livox_ros_driver/CustomMsg) can be read: they are cut off",
+              1);
 }
 
 TEST_F(InputForms, EmptyAndBackwardLivoxScansAreNamed) {

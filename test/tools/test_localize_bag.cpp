@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -14,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::content_of;
-using test::TemporaryFolder;
 using test::Words;
 
 using LocalizeBag = test::LocalizedDrives;
@@ -98,9 +96,8 @@ TEST_F(LocalizeBag, TakesAnInitialPoseAndIsNotMisledByAWrongOne) {
 }
 
 TEST_F(LocalizeBag, LeavesAFolderAloneThatIsNotEmpty) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.path() / "diary.txt") << "mine";
-  EXPECT_EQ(localize(other_day(), folder.path()), 1);
+  std::ofstream(folder_.path() / "diary.txt") << "mine";
+  EXPECT_EQ(localize(other_day(), folder_.path()), 1);
   EXPECT_TRUE(has_said("exists and is no empty folder"));
 }
 

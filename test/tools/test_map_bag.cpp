@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 
 #include <nav_msgs/Odometry.h>
 #include <tf2_msgs/TFMessage.h>
@@ -13,10 +12,8 @@ namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using session::Session;
 using test::content_of;
 using test::holds;
-using test::TemporaryFolder;
 using test::Words;
 
 /// Short drives through the command itself.
@@ -31,12 +28,11 @@ TEST_F(MapBag, MakesASessionAndItsMap) {
 }
 
 TEST_F(MapBag, MapsBagsWithoutTransformsAndStamps) {
-  const TemporaryFolder folder;
-  const std::string bag = folder.path() / "plain.bag";
+  const std::string bag = folder_.path() / "plain.bag";
   ASSERT_EQ(run("simulate_drive", {bag, "--lidar", "vlp16", "--duration", "8", "--fault",
                                    "no_transforms", "--fault", "no_stamps"}),
             0);
-  const std::string session = folder.path() / "session";
+  const std::string session = folder_.path() / "session";
   EXPECT_EQ(run("map_bag", {bag, "-o", session, "--no-map"}), 0);
   EXPECT_TRUE(has_said("the recording has no transform from 'velo_link' to 'base_link'"));
   EXPECT_TRUE(has_said("map_bag takes the times of their recording"));
@@ -44,30 +40,28 @@ TEST_F(MapBag, MapsBagsWithoutTransformsAndStamps) {
 }
 
 TEST_F(MapBag, LeavesAFolderAloneThatIsNotEmpty) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.path() / "diary.txt") << "mine";
-  EXPECT_EQ(map({"-o", folder.path().string()}), 1);
+  std::ofstream(folder_.path() / "diary.txt") << "mine";
+  EXPECT_EQ(map({"-o", folder_.path()}), 1);
   EXPECT_TRUE(has_said("is not empty"));
   EXPECT_TRUE(has_said("--resume"));
-  EXPECT_EQ(files_in(folder.path()), 1U);
+  EXPECT_EQ(files_in(folder_.path()), 1U);
 }
 
 TEST_F(MapBag, ReadsFoldersOfKittiAndKittiToBagWritesThem) {
-  const TemporaryFolder parent;
-  const fs::path odometry = parent.path() / "odometry";
-  const fs::path raw = parent.path() / "raw";
+  const fs::path odometry = folder_.path() / "odometry";
+  const fs::path raw = folder_.path() / "raw";
   ASSERT_EQ(run("simulate_drive", {"--kitti", odometry, "--lidar", "vlp16", "--duration", "4"}), 0);
-  EXPECT_EQ(run("map_bag", {odometry, "-o", parent.path() / "a", "--no-map"}), 0);
+  EXPECT_EQ(run("map_bag", {odometry, "-o", folder_.path() / "a", "--no-map"}), 0);
   fs::create_directories(raw / "velodyne_points");
   fs::rename(odometry / "velodyne", raw / "velodyne_points" / "data");
   std::ofstream dates(raw / "velodyne_points" / "timestamps.txt");
   for (int i = 0; i < 60; ++i) dates << "2011-09-26 13:02:2" << i / 10 << "." << i % 10 << "\n";
   dates.close();
-  const fs::path written = parent.path() / "raw.bag";
+  const fs::path written = folder_.path() / "raw.bag";
   ASSERT_EQ(run("kitti_to_bag", {raw, written}), 0);
   const auto count = [&](const std::string& input, const std::string& output) {
-    EXPECT_EQ(run("map_bag", {input, "-o", parent.path() / output, "--no-map"}), 0);
-    return Session::open(parent.path() / output, Session::Access::kRead).scans().size();
+    EXPECT_EQ(run("map_bag", {input, "-o", folder_.path() / output, "--no-map"}), 0);
+    return opened(folder_.path() / output).scans().size();
   };
   const std::size_t scans = files_in(raw / "velodyne_points" / "data");
   EXPECT_GT(scans, 20U);
@@ -90,38 +84,34 @@ TEST_F(MapBag, MapsWhatIsNotDamaged) {
 }
 
 TEST_F(MapBag, SaysWhichTopicIsMissing) {
-  const TemporaryFolder parent;
-  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--points", "/no/such"}), 1);
+  EXPECT_EQ(map({"-o", folder_.path() / "s", "--points", "/no/such"}), 1);
   EXPECT_TRUE(has_said("/no/such"));
-  EXPECT_FALSE(fs::exists(parent.path() / "s"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "s"));
 }
 
 TEST_F(MapBag, TakesTheNameOfASensorAndListsThemWhereItIsUnknown) {
-  const TemporaryFolder parent;
-  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--sensor", "vlp61"}), 1);
+  EXPECT_EQ(map({"-o", folder_.path() / "s", "--sensor", "vlp61"}), 1);
   EXPECT_TRUE(has_said("vlp61"));
   for (const auto& sensor : fs::directory_iterator("../config/sensors")) {
     EXPECT_TRUE(has_said(sensor.path().stem()));
   }
-  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--sensor", "vlp16", "--no-map"}), 0);
+  EXPECT_EQ(map({"-o", folder_.path() / "s", "--sensor", "vlp16", "--no-map"}), 0);
 }
 
 TEST_F(MapBag, MapsThePartThatIsWanted) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "part";
+  const fs::path folder = folder_.path() / "part";
   ASSERT_EQ(map({"-o", folder, "--start", "4", "--duration", "6", "--no-map"}), 0);
-  const auto all = Session::open(whole(), Session::Access::kRead).scans();
-  const auto scans = Session::open(folder, Session::Access::kRead).scans();
+  const auto all = opened(whole()).scans();
+  const auto scans = opened(folder).scans();
   const double after = to_seconds(scans.front().stamp - all.front().stamp);
   EXPECT_NEAR(after, 4.0, 0.5);
   EXPECT_NEAR(to_seconds(scans.back().stamp - scans.front().stamp), 6.0, 0.5);
-  EXPECT_EQ(map({"-o", parent.path() / "none", "--start", "400"}), 1);
+  EXPECT_EQ(map({"-o", folder_.path() / "none", "--start", "400"}), 1);
   EXPECT_TRUE(has_said("--start 400"));
 }
 
 TEST_F(MapBag, TakesSingleParameters) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "s";
+  const fs::path folder = folder_.path() / "s";
   ASSERT_EQ(
       map({"-o", folder, "--no-map", "--duration", "3", "--parameter", "back_end/use_gnss: false",
            "--parameter", "front_end: {key_frame_distance: 3, registration_method: NDT_OMP}",
@@ -135,15 +125,14 @@ TEST_F(MapBag, TakesSingleParameters) {
 }
 
 TEST_F(MapBag, TakesAFolderOfBags) {
-  const TemporaryFolder parent;
-  fs::create_directory(parent.path() / "bags");
-  fs::create_hard_link(bag(), parent.path() / "bags" / "drive_0.bag");
-  std::ofstream(parent.path() / "bags" / "notes.txt") << "a fine day";
-  const fs::path folder = parent.path() / "s";
-  EXPECT_EQ(run("map_bag", {parent.path() / "bags", "-o", folder, "--no-map", "--duration", "3"}),
+  fs::create_directory(folder_.path() / "bags");
+  fs::create_hard_link(bag(), folder_.path() / "bags" / "drive_0.bag");
+  std::ofstream(folder_.path() / "bags" / "notes.txt") << "a fine day";
+  const fs::path folder = folder_.path() / "s";
+  EXPECT_EQ(run("map_bag", {folder_.path() / "bags", "-o", folder, "--no-map", "--duration", "3"}),
             0);
   EXPECT_GT(key_frames_in(folder), 0U);
-  EXPECT_LE(run("check_bag", {parent.path() / "bags"}), 1);  // 2: it cannot be read
+  EXPECT_LE(run("check_bag", {folder_.path() / "bags"}), 1);  // 2: it cannot be read
   EXPECT_TRUE(has_said("/kitti/velo/pointcloud"));
 }
 
@@ -183,8 +172,7 @@ void write_with_wheels(const fs::path& from, const fs::path& to) {
 }
 
 TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
-  const TemporaryFolder parent;
-  const fs::path session = parent.path() / "s";
+  const fs::path session = folder_.path() / "s";
   const Words alone = {"--parameter", "preprocessing/use_velocity: false"};
   EXPECT_EQ(map_tunnel(session, alone), 4);
   EXPECT_TRUE(has_said("Do not trust this map between"));
@@ -204,17 +192,15 @@ TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
 }
 
 TEST_F(MapBagInATunnel, TrustsAMapWhoseSpeedWasMeasured) {
-  const TemporaryFolder parent;
-  EXPECT_EQ(map_tunnel(parent.path() / "s", {}), 0);
+  EXPECT_EQ(map_tunnel(folder_.path() / "s", {}), 0);
   EXPECT_FALSE(has_said("Do not trust"));
 }
 
 TEST_F(MapBagInATunnel, TakesTheSpeedFromAWheelOdometryInTf) {
-  const TemporaryFolder parent;
-  const fs::path bag = parent.path() / "wheels.bag";
+  const fs::path bag = folder_.path() / "wheels.bag";
   write_with_wheels(tunnel(), bag);
-  EXPECT_EQ(map_tunnel(bag, parent.path() / "without", {}), 4);
-  EXPECT_EQ(map_tunnel(bag, parent.path() / "with",
+  EXPECT_EQ(map_tunnel(bag, folder_.path() / "without", {}), 4);
+  EXPECT_EQ(map_tunnel(bag, folder_.path() / "with",
                        {"--parameter",
                         "preprocessing: {enable_robot_odometry_init_guess: true, "
                         "robot_odom_frame_id: wheels}"}),
@@ -223,8 +209,7 @@ TEST_F(MapBagInATunnel, TakesTheSpeedFromAWheelOdometryInTf) {
 
 // A shell would end the first word at the quote, and the next at the space.
 TEST_F(MapBag, ReportsInFoldersOfAnyName) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "Rock 'n' Roll $HOME";
+  const fs::path folder = folder_.path() / "Rock 'n' Roll $HOME";
   EXPECT_EQ(map({"-o", folder, "--no-map", "--duration", "4", "--report"}), 0);
   EXPECT_TRUE(fs::exists(folder / "report.html")) << said();
   EXPECT_TRUE(holds(content_of(folder / "report.html"), "drive.bag"));

@@ -15,7 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using test::content_of;
 using test::holds;
-using test::TemporaryFolder;
 
 class MapQualityCommand : public test::MappedDrive {
  protected:
@@ -29,7 +28,6 @@ class MapQualityCommand : public test::MappedDrive {
   }
   /// A true trajectory: that of the session, moved.
   std::string write_truth() const {
-    std::ifstream stream(session_ / "trajectory" / "optimized.tum");
     Trajectory truth = read_trajectory(session_ / "trajectory" / "optimized.tum");
     const Pose elsewhere{exp_so3({0.0, 0.0, 1.0}), {100.0, 0.0, 3.0}};
     for (StampedPose& pose : truth.poses) pose.pose = elsewhere * pose.pose;
@@ -40,7 +38,7 @@ class MapQualityCommand : public test::MappedDrive {
 
   /// The folder of localize_bag for a made-up drive of the next day where the map's was.
   fs::path write_drive_of_another_day() const {
-    const auto session = session::Session::open(session_, session::Session::Access::kRead);
+    const auto session = opened(session_);
     std::vector<LocalizedScan> scans;
     for (const KeyFramePose& pose : session.poses().poses) {
       LocalizedScan scan;
@@ -63,7 +61,6 @@ class MapQualityCommand : public test::MappedDrive {
     return folder;
   }
 
-  const TemporaryFolder folder_;
   const fs::path session_ = folder_.path() / "it's a session";
 };
 

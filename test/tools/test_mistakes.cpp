@@ -6,7 +6,6 @@ namespace lidar_mapping::tools {
 namespace {
 
 using test::holds;
-using test::TemporaryFolder;
 using test::Words;
 
 struct Mistake {
@@ -27,8 +26,6 @@ class Mistakes : public test::Commands, public testing::WithParamInterface<Mista
     std::ofstream(folder_.path() / "file") << "word\n";
     std::ofstream(folder_.path() / "overlay.yaml") << "frontend: {max_speed: 3}\n";
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_P(Mistakes, AreAnswered) {
