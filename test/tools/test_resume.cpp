@@ -33,8 +33,9 @@ class Resume : public test::MappedDrive {
     EXPECT_GT(key_frames_in(session_), 0U);
     EXPECT_LT(key_frames_in(session_), key_frames_in(whole()));
   }
-  /// All that the undisturbed run left is in the folder, byte for byte, and nothing half done.
-  static void expect_same_bytes(const fs::path& folder) {
+  /// All that the undisturbed run left is in the folder then, byte for byte, and nothing half done.
+  static void expect_same_bytes_after_resuming(const fs::path& folder) {
+    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
     for (const auto& entry : fs::recursive_directory_iterator(whole())) {
       const fs::path name = fs::relative(entry.path(), whole());
       // What readers share is no content.
@@ -85,8 +86,7 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAKillAtAnyMoment) {
       if (!fs::exists(folder / "map" / file)) continue;
       EXPECT_EQ(content_of(folder / "map" / file), content_of(whole() / "map" / file)) << file;
     }
-    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
-    expect_same_bytes(folder);
+    expect_same_bytes_after_resuming(folder);
   }
 }
 
@@ -97,15 +97,13 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAStop) {
   EXPECT_EQ(program.wait(), 3) << said();
   EXPECT_TRUE(fs::exists(session_ / "map" / "map.pcd"));
   EXPECT_TRUE(fs::exists(session_ / "trajectory" / "optimized.tum"));
-  EXPECT_EQ(map({"-o", session_, "--resume", "--formats", "pcd,ply,png"}), 0);
-  expect_same_bytes(session_);
+  expect_same_bytes_after_resuming(session_);
 }
 
 TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAPart) {
   break_off();
-  EXPECT_EQ(map({"-o", session_, "--resume", "--formats", "pcd,ply,png"}), 0);
+  expect_same_bytes_after_resuming(session_);
   EXPECT_TRUE(has_said("key frames; they are mapped again"));
-  expect_same_bytes(session_);
 }
 
 // The old session stays until the new one has come at least as far.
@@ -120,17 +118,15 @@ TEST_F(Resume, TakesNothingAwayIfItIsBrokenOffToo) {
   ASSERT_EQ(map({"-o", session_, "--resume", "--duration", "2", "--no-map"}), 0);
   EXPECT_TRUE(has_said("is not changed"));
   EXPECT_EQ(content_of(session_ / "trajectory" / "optimized.tum"), before);
-  EXPECT_EQ(map({"-o", session_, "--resume", "--formats", "pcd,ply,png"}), 0);
-  expect_same_bytes(session_);
+  expect_same_bytes_after_resuming(session_);
 }
 
 TEST_F(Resume, MakesTheMapAloneOfASessionThatIsComplete) {
   fs::copy(whole(), session_, fs::copy_options::recursive);
   fs::remove_all(session_ / "map");
-  EXPECT_EQ(map({"-o", session_, "--resume", "--formats", "pcd,ply,png"}), 0);
+  expect_same_bytes_after_resuming(session_);
   EXPECT_TRUE(has_said("all of the recording is mapped"));
   EXPECT_FALSE(has_said("times real time"));
-  expect_same_bytes(session_);
 }
 
 TEST_F(Resume, QuicklyGoesOnNearTheEnd) {
@@ -143,8 +139,7 @@ TEST_F(Resume, QuicklyGoesOnNearTheEnd) {
 TEST_F(Resume, BeginsWhereNothingButTheBeginningOfAFileIs) {
   fs::create_directories(session_);
   std::ofstream(session_ / ".run.json.part") << "{";
-  EXPECT_EQ(map({"-o", session_, "--resume", "--formats", "pcd,ply,png"}), 0);
-  expect_same_bytes(session_);
+  expect_same_bytes_after_resuming(session_);
 }
 
 TEST_F(Resume, RefusesAnotherRecording) {
