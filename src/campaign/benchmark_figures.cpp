@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
@@ -53,9 +52,7 @@ double step_ms(const ScanRecord& record, const std::string& step) {
 }  // namespace
 
 double cpu_time_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+  return 1e3 * static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
 json::Json figures_of(const std::vector<ScanRecord>& records) {
@@ -132,12 +129,12 @@ std::string to_csv(const std::vector<ScanRecord>& records) {
   return text.str();
 }
 
-std::string to_kitti(const std::vector<ScanRecord>& records) {
+Trajectory trajectory_of(const std::vector<ScanRecord>& records) {
   Trajectory trajectory;
   for (const ScanRecord& record : records) {
     trajectory.poses.push_back({record.stamp, record.T_odom_base});
   }
-  return lidar_mapping::to_kitti(trajectory);
+  return trajectory;
 }
 
 }  // namespace lidar_mapping::campaign

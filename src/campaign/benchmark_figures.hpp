@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/evaluation/association.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 
@@ -38,7 +39,7 @@ json::Json steps_of(const std::vector<evaluation::PosePair>& pairs,
 
 /// A line per scan.
 std::string to_csv(const std::vector<ScanRecord>& records);
-/// KITTI's 12 numbers per scan.
-std::string to_kitti(const std::vector<ScanRecord>& records);
+/// The estimated poses.
+Trajectory trajectory_of(const std::vector<ScanRecord>& records);
 
 }  // namespace lidar_mapping::campaign

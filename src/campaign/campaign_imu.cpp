@@ -2,8 +2,7 @@
 #include "campaign_imu.hpp"
 
 #include <string>
-
-#include "lidar_mapping/front_end/prior_of.hpp"
+#include <utility>
 
 namespace lidar_mapping::campaign {
 
@@ -33,7 +32,7 @@ ImuFeed::ImuFeed(const simulation::Drive& drive)
       samples_(drive.imu()),
       preprocessor_(make_config(), mounted(drive.mounting())) {}
 
-std::optional<std::pair<Scan, front_end::MotionPrior>> ImuFeed::next(std::size_t index) {
+std::optional<preprocessing::SyncedScan> ImuFeed::next(std::size_t index) {
   simulation::SimulatedScan taken = drive_.scan(index);
   while (added_ < samples_.size() && samples_[added_].stamp <= taken.end + kAfterSweep) {
     preprocessor_.add_imu(samples_[added_++], kImuFrame);
@@ -45,10 +44,7 @@ std::optional<std::pair<Scan, front_end::MotionPrior>> ImuFeed::next(std::size_t
   auto complete = preprocessor_.process(std::move(raw));
   if (complete.empty()) complete = preprocessor_.flush();
   if (complete.empty()) return std::nullopt;
-  preprocessing::SyncedScan& synced = complete.back();
-  front_end::MotionPrior prior =
-      front_end::prior_of(synced.imu, synced.velocity, synced.uneven_turning, synced.felt);
-  return std::make_pair(std::move(synced.scan), std::move(prior));
+  return std::move(complete.back());
 }
 
 }  // namespace lidar_mapping::campaign

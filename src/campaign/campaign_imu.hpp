@@ -2,22 +2,20 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "lidar_mapping/front_end/motion_prior.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
 namespace lidar_mapping::campaign {
 
-/// The scans of a drive with the motion by its IMU, as preprocessing gives them.
+/// The scans of a drive with its IMU's samples, as preprocessing gives them.
 class ImuFeed {
  public:
   explicit ImuFeed(const simulation::Drive& drive);
 
   /// The scan `index` with its samples; nothing where preprocessing drops it. In order.
-  std::optional<std::pair<Scan, front_end::MotionPrior>> next(std::size_t index);
+  std::optional<preprocessing::SyncedScan> next(std::size_t index);
 
  private:
   const simulation::Drive& drive_;

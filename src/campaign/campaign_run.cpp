@@ -9,6 +9,7 @@
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/front_end/prior_of.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "campaign_imu.hpp"
@@ -45,7 +46,10 @@ void score(const CheckedStep& step, CampaignFigures& figures) {
 /// The scan with what an IMU adds to it, if there is one.
 std::pair<Scan, front_end::MotionPrior> input_at(const simulation::Drive& drive, std::size_t i,
                                                  std::optional<ImuFeed>& feed) {
-  if (auto fed = feed ? feed->next(i) : std::nullopt) return *std::move(fed);
+  if (auto fed = feed ? feed->next(i) : std::nullopt) {
+    return {std::move(fed->scan),
+            front_end::prior_of(fed->imu, fed->velocity, fed->uneven_turning, fed->felt)};
+  }
   simulation::SimulatedScan scan = drive.scan(i);
   return {{scan.stamp, std::move(scan.cloud)}, {}};
 }

@@ -17,7 +17,6 @@
 #include "lidar_mapping/ros/moving_frame.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
@@ -65,12 +64,10 @@ std::string merging_problem(const RecordedCloud& cloud, const ros_border::CloudR
   return error.what();
 }
 
-}  // namespace
-
-class BagInput::Impl {
+class RecordedBags : public BagInput {
  public:
-  Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
-       const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
+  RecordedBags(const std::vector<std::string>& paths, const SensorTopics& wanted,
+               const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
       : bags_(paths), config_(config), reader_(config), frames_(base_frame) {
     topics_ = ros_border::topics_in(bags_, wanted);
     read_frames();
@@ -89,7 +86,7 @@ class BagInput::Impl {
     end_ = times->second;
   }
 
-  std::optional<Input> next() {
+  std::optional<Input> next() override {
     if (!waiting_.empty()) return take_waiting();
     while (const auto message = stream().next()) {
       report_damage();
@@ -106,23 +103,25 @@ class BagInput::Impl {
     return std::nullopt;
   }
 
-  std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
+  std::vector<std::string> take_messages() override { return std::exchange(messages_, {}); }
 
-  std::vector<preprocessing::InputReport> examine(double seconds) const {
+  std::vector<preprocessing::InputReport> examine(double seconds) const override {
     return ros_border::check({&bags_, topics_, frames_.base_frame(), seconds}, config_);
   }
 
-  void skip_to(Stamp stamp) {
+  void skip_to(Stamp stamp) override {
     // The clouds of other LiDARs that belong to the first scan were recorded before it.
     stream().skip_to(others_.empty() ? stamp : stamp - from_seconds(2.0 * reach()));
     scans_from_ = stamp;
   }
 
-  Stamp begin() const { return begin_; }
-  Stamp end() const { return end_; }
-  const SensorTopics& topics() const { return topics_; }
-  const std::string& frames_notice() const { return frames_notice_; }
-  std::optional<Pose> T_base(const std::string& frame) const { return frames_.T_base(frame); }
+  Stamp begin() const override { return begin_; }
+  Stamp end() const override { return end_; }
+  const SensorTopics& topics() const override { return topics_; }
+  const std::string& frames_notice() const override { return frames_notice_; }
+  std::optional<Pose> T_base(const std::string& frame) const override {
+    return frames_.T_base(frame);
+  }
 
  private:
   /// A scan that waits for clouds of other LiDARs.
@@ -343,23 +342,12 @@ class BagInput::Impl {
   std::vector<std::string> messages_;
 };
 
-BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wanted,
-                   const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
-    : impl_(std::make_unique<Impl>(paths, wanted, base_frame, config)) {}
-BagInput::~BagInput() = default;
+}  // namespace
 
-std::optional<Input> BagInput::next() { return impl_->next(); }
-std::vector<std::string> BagInput::take_messages() { return impl_->take_messages(); }
-void BagInput::skip_to(Stamp stamp) { impl_->skip_to(stamp); }
-Stamp BagInput::begin() const { return impl_->begin(); }
-Stamp BagInput::end() const { return impl_->end(); }
-std::optional<Pose> BagInput::T_base(const std::string& frame_id) const {
-  return impl_->T_base(frame_id);
-}
-const SensorTopics& BagInput::topics() const { return impl_->topics(); }
-const std::string& BagInput::frames_notice() const { return impl_->frames_notice(); }
-std::vector<preprocessing::InputReport> BagInput::examine(double seconds) const {
-  return impl_->examine(seconds);
+std::unique_ptr<BagInput> make_bag_input(const std::vector<std::string>& paths,
+                                         const SensorTopics& wanted, const std::string& base_frame,
+                                         const preprocessing::PreprocessingConfig& config) {
+  return std::make_unique<RecordedBags>(paths, wanted, base_frame, config);
 }
 
 }  // namespace lidar_mapping::recordings

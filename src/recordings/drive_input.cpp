@@ -55,8 +55,7 @@ std::vector<std::string> lines_about(const BagInput& bags) try {
 
 OpenDrive open_bags(const DriveSelection& selection,
                     const preprocessing::PreprocessingConfig& config) {
-  auto bags =
-      std::make_unique<BagInput>(selection.paths, selection.topics, selection.base_frame, config);
+  auto bags = make_bag_input(selection.paths, selection.topics, selection.base_frame, config);
   OpenDrive drive;
   drive.lines = lines_about(*bags);
   if (bags->topics().points.empty()) {

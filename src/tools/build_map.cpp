@@ -58,7 +58,8 @@ void add_arguments(CLI::App& app, Options& options) {
       joined(map::point_formats()) +
           " in UTM, relative to the datum: map.pcd.utm and its like have easting, northing "
           "and height to add (las always is in UTM)");
-  app.add_flag("--keep-moving", options.output.keep_moving, "leave points of moving objects in");
+  app.add_flag("--keep-moving", options.output.products.keep_moving,
+               "leave points of moving objects in");
   app.add_flag("--keep-outdated", options.output.products.keep_outdated,
                "leave in what later visits have looked through");
   app.add_option("--as-of", options.output.as_of,

@@ -30,7 +30,7 @@ void add_arguments(CLI::App& app, MappingOptions& options) {
       ->delimiter(',')
       ->check(CLI::IsMember(map::product_formats(), CLI::ignore_case));
   app.add_option("--resolution", options.map.resolution, "edge of the map's voxels, m");
-  app.add_flag("--keep-moving", options.map.keep_moving,
+  app.add_flag("--keep-moving", options.map.products.keep_moving,
                "leave points of moving objects in the map");
   app.add_flag("--no-map", options.no_map, "the session alone; build_map makes a map of it later");
   app.add_flag("--report", options.report,

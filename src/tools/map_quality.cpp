@@ -56,11 +56,12 @@ struct QualityResult {
   bool has_ratio = false;
 };
 
-QualityResult quality_of(const report::ReportInput& input, const map_quality::QualityConfig& config,
-                         bool has_ratio) {
+QualityResult quality_of(const report::ReportInput& input,
+                         const map_quality::QualityConfig& config) {
   CloudSource& clouds = input.session.clouds();
   QualityResult result{map_quality::local_thickness(input.poses, clouds, config),
-                       map_quality::pass_misalignments(input.poses, clouds, config), has_ratio};
+                       map_quality::pass_misalignments(input.poses, clouds, config),
+                       config.p_base_sensor.has_value()};
   std::stable_sort(result.misalignments.begin(), result.misalignments.end(),
                    [](const auto& a, const auto& b) { return a.distance() > b.distance(); });
   return result;
@@ -205,15 +206,14 @@ void judge(const Options& options) {
   const std::vector<report::ExaminedDrive> drives = read_drives(options, session);
   map_quality::QualityConfig config;
   config.range_noise = options.range_noise;
-  const auto sensor = sensor_origin_of(options, session);
-  config.p_base_sensor = sensor;
-  if (!sensor) {
+  config.p_base_sensor = sensor_origin_of(options, session);
+  if (!config.p_base_sensor) {
     std::cerr << "map_quality: the session does not know where the LiDAR is in base_link; give "
                  "--sensor-origin x y z for the ratio to the noise, and to tell the sides of a "
                  "surface apart\n";
   }
   const report::ReportInput input = report::report_input(session, truth);
-  const QualityResult found = quality_of(input, config, sensor.has_value());
+  const QualityResult found = quality_of(input, config);
   const auto graph = report::solved_graph(session);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
   const Json report = report_of(input, found, config, *graph, deviations, drives);

@@ -128,11 +128,7 @@ std::vector<std::size_t> chosen_scans(const Options& options, std::size_t count)
 std::vector<evaluation::PosePair> paired(const Trajectory& truth,
                                          const std::vector<std::size_t>& scans,
                                          const std::vector<ScanRecord>& records) {
-  if (truth.has_stamps) {
-    Trajectory estimate;
-    for (const ScanRecord& r : records) estimate.poses.push_back({r.stamp, r.T_odom_base});
-    return evaluation::associate(truth, estimate);
-  }
+  if (truth.has_stamps) return evaluation::associate(truth, campaign::trajectory_of(records));
   if (scans.back() >= truth.poses.size()) {
     throw InputError("the truth has " + std::to_string(truth.poses.size()) + " poses, but scan " +
                      std::to_string(scans.back()) + " was used");
@@ -174,7 +170,7 @@ void run(const Options& options) {
     result.update(campaign::errors_of(pairs));
     if (pairs.size() == records.size()) result.update(campaign::steps_of(pairs, records));
   }
-  write_wanted(options.poses, campaign::to_kitti(records));
+  write_wanted(options.poses, to_kitti(campaign::trajectory_of(records)));
   write_wanted(options.times, campaign::to_csv(records));
   write_wanted(options.json, json::dumped(result, 2) + "\n");
   std::cout << json::dumped(result, 2) << "\n";

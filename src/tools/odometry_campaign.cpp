@@ -108,28 +108,26 @@ struct Totals {
   }
 };
 
+Json or_null(const std::optional<double>& figure) { return figure ? Json(*figure) : Json(); }
+
 Json to_json(const CampaignFigures& f, const std::string& line) {
-  Json json = {{"case", line},
-               {"scans", f.scans},
-               {"drift_percent", nullptr},
-               {"silent", f.silent},
-               {"wrong", f.wrong},
-               {"false_alarms", f.false_alarms},
-               {"lost", f.lost},
-               {"degraded", f.degraded},
-               {"doubtful", f.doubtful},
-               {"degenerate", f.degenerate},
-               {"largest_error_m", f.largest_error},
-               {"largest_error_deg", f.largest_error_deg},
-               {"cpu_ms", f.cpu_ms},
-               {"ape_m", f.ape},
-               {"path_length_m", f.path_length},
-               {"nees_steps", nullptr},
-               {"nees_edges", nullptr}};
-  if (f.drift_percent) json["drift_percent"] = *f.drift_percent;
-  if (f.nees_steps) json["nees_steps"] = *f.nees_steps;
-  if (f.nees_edges) json["nees_edges"] = *f.nees_edges;
-  return json;
+  return {{"case", line},
+          {"scans", f.scans},
+          {"drift_percent", or_null(f.drift_percent)},
+          {"silent", f.silent},
+          {"wrong", f.wrong},
+          {"false_alarms", f.false_alarms},
+          {"lost", f.lost},
+          {"degraded", f.degraded},
+          {"doubtful", f.doubtful},
+          {"degenerate", f.degenerate},
+          {"largest_error_m", f.largest_error},
+          {"largest_error_deg", f.largest_error_deg},
+          {"cpu_ms", f.cpu_ms},
+          {"ape_m", f.ape},
+          {"path_length_m", f.path_length},
+          {"nees_steps", or_null(f.nees_steps)},
+          {"nees_edges", or_null(f.nees_edges)}};
 }
 
 void run(const Options& options) {

@@ -8,7 +8,9 @@
 
 #include "campaign_case.hpp"
 #include "campaign_run.hpp"
+#include "error_text.hpp"
 #include "evidence_table.hpp"
+#include "holds.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::campaign {
@@ -118,12 +120,8 @@ TEST(CampaignCases, OfAFileNameTheLineThatIsWrong) {
   const test::TemporaryFolder folder;
   const std::string path = (folder.path() / "cases.txt").string();
   std::ofstream(path) << "# comment\n\nclean\nrain fault=rain=2\n";
-  try {
-    read_cases(path);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("line 4"), std::string::npos) << error.what();
-  }
+  const std::string problem = test::error_text<ConfigError>([&] { read_cases(path); });
+  EXPECT_TRUE(test::holds(problem, "line 4"));
   EXPECT_THROW(read_cases(path + "x"), FileError);
 }
 

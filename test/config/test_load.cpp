@@ -7,9 +7,12 @@
 #include "lidar_mapping/config/load.hpp"
 
 #include "error_text.hpp"
+#include "holds.hpp"
 
 namespace lidar_mapping::config {
 namespace {
+
+using test::holds;
 
 enum class Method { kNdt, kIcp };
 
@@ -98,30 +101,26 @@ TEST(Load, ReportsAllProblemsALineEach) {
   const std::string problem =
       problem_of("local_frame_num: 1.5\nmethod: FOO\nbox: [2, 1]\nxyz: 1\n");
   EXPECT_EQ(std::count(problem.begin(), problem.end(), '\n'), 3);
-  EXPECT_NE(problem.find("local_frame_num: 1.5 is not an integer"), std::string::npos);
-  EXPECT_NE(problem.find("method: FOO is none of the choices; allowed: NDT or ICP"),
-            std::string::npos);
-  EXPECT_NE(problem.find("box must grow"), std::string::npos);
-  EXPECT_NE(problem.find("unknown key 'xyz'"), std::string::npos);
+  EXPECT_TRUE(holds(problem, "local_frame_num: 1.5 is not an integer"));
+  EXPECT_TRUE(holds(problem, "method: FOO is none of the choices; allowed: NDT or ICP"));
+  EXPECT_TRUE(holds(problem, "box must grow"));
+  EXPECT_TRUE(holds(problem, "unknown key 'xyz'"));
 }
 
 TEST(Load, KnowsOtherNamesOfAField) {
   const Sample sample = load_text("window: 9\nfilter: {leaf: 0.75}\n");
   EXPECT_EQ(sample.count, 9);
   EXPECT_EQ(sample.part.size, 0.75);
-  EXPECT_EQ(to_yaml(sample).find("window"), std::string::npos);
+  EXPECT_FALSE(holds(to_yaml(sample), "window"));
 }
 
 /// As lidar_localization gives the edges of a voxel.
 TEST(Load, ReadsThreeEqualNumbersAsOne) {
   EXPECT_EQ(load_text("filter: {leaf: [0.6, 0.6, 0.6]}\n").part.size, 0.6);
-  EXPECT_NE(problem_of("filter: {size: [0.6, 0.6, 0.7]}\n").find("three different numbers"),
-            std::string::npos);
-  EXPECT_NE(problem_of("filter: {size: [3.0, 3.0, 3.0]}\n").find("out of range"),
-            std::string::npos);
-  EXPECT_NE(problem_of("filter: {size: [0.6]}\n").find("not a number"), std::string::npos);
-  EXPECT_NE(problem_of("filter: {size: [a, b, c]}\n").find("not a finite number"),
-            std::string::npos);
+  EXPECT_TRUE(holds(problem_of("filter: {size: [0.6, 0.6, 0.7]}\n"), "three different numbers"));
+  EXPECT_TRUE(holds(problem_of("filter: {size: [3.0, 3.0, 3.0]}\n"), "out of range"));
+  EXPECT_TRUE(holds(problem_of("filter: {size: [0.6]}\n"), "not a number"));
+  EXPECT_TRUE(holds(problem_of("filter: {size: [a, b, c]}\n"), "not a finite number"));
 }
 
 TEST(Load, RefusesAFieldUnderTwoNamesInOneSource) {
@@ -191,7 +190,7 @@ TEST(Angles, ComeBackTheSameAndAsTheyWereWritten) {
   const std::string text = to_yaml(angles);
   for (const char* line :
        {"\ntilt_deg: 12.3\n", "\ndrift_deg_per_m: 0.07\n", "\ndrift_deg: 0.7\n"}) {
-    EXPECT_NE(text.find(line), std::string::npos) << text;
+    EXPECT_TRUE(holds(text, line));
   }
   expect_same(load_angles(text), angles);
 }
@@ -202,9 +201,9 @@ TEST(Angles, HaveTheirDefaultsInDegreesInDocumentsAndExactlyInFiles) {
             "\n# Tilt.\n# real number from -90 to 90, deg; default 0.2\ntilt_deg: 0.2\n"
             "\n# Drift.\n# real number from 0 to 10, deg/m; default 0.3\ndrift_deg_per_m: 0.3\n"
             "\n# Drift.\n# real number from 0 to 90, deg per 100 m; default 1.1\ndrift_deg: 1.1\n");
-  EXPECT_NE(to_markdown<Angles>().find("| `drift_deg` | `1.1` | real number from 0 to 90 | deg per "
-                                       "100 m | Drift. |\n"),
-            std::string::npos);
+  EXPECT_TRUE(holds(to_markdown<Angles>(),
+                    "| `drift_deg` | `1.1` | real number from 0 to 90 | deg per "
+                    "100 m | Drift. |\n"));
   expect_same(load_angles(to_yaml(Angles())), Angles());
 }
 
@@ -253,12 +252,9 @@ TEST(Load, RefusesDamagedFilesWithFileAndLine) {
       {std::string("b: 1\na: \0 1\n", 13), "a.yaml:2: "},
       {laughs, "a.yaml:"}};
   for (const auto& [text, place] : bad) {
-    try {
-      parse_yaml(text, "a.yaml");
-      ADD_FAILURE() << text.substr(0, 60);
-    } catch (const ConfigError& error) {
-      EXPECT_EQ(std::string(error.what()).rfind(place, 0), 0U) << error.what();
-    }
+    const std::string problem =
+        test::error_text<ConfigError>([&text = text] { parse_yaml(text, "a.yaml"); });
+    EXPECT_EQ(problem.rfind(place, 0), 0U) << problem << " for " << text.substr(0, 60);
   }
 }
 

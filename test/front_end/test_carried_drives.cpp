@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/front_end/prior_of.hpp"
 
 #include "campaign_imu.hpp"
 #include "evaluated_drive.hpp"
@@ -39,11 +41,12 @@ Outcome follow(const simulation::Drive& drive) {
   campaign::ImuFeed scans(drive);
   Outcome outcome;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    const auto [scan, prior] = scans.next(i).value();
-    const FrontEndResult& result = ride.process(scan, prior);
+    const preprocessing::SyncedScan synced = scans.next(i).value();
+    const FrontEndResult& result = ride.process(
+        synced.scan, prior_of(synced.imu, std::nullopt, synced.uneven_turning, synced.felt));
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
-    outcome.refused += prior.angular_velocity ? 0 : 1;
+    outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
     outcome.vertical_ride_distance = result.status.vertical_ride_distance;
     outcome.times = result.status.sweep_times.source;
     const double turn_error = rotation_angle(ride.step_error().rotation);

@@ -64,9 +64,9 @@ void read_all(pipeline::InputSource& source) {
 }
 
 void read_bag(const fs::path& path) {
-  recordings::BagInput input({path}, {}, "base_link", {});
-  input.examine(0.0);
-  read_all(input);
+  const auto input = recordings::make_bag_input({path}, {}, "base_link", {});
+  input->examine(0.0);
+  read_all(*input);
 }
 
 Kind bag(const std::string& name, CompressionType compression) {
@@ -90,8 +90,7 @@ Kind velodyne_calibration() {
           [](const fs::path& folder) {
             preprocessing::PreprocessingConfig config;
             config.velodyne_calibration = folder / "lasers.yaml";
-            recordings::BagInput input({folder / "a.bag"}, {}, "base_link", config);
-            read_all(input);
+            read_all(*recordings::make_bag_input({folder / "a.bag"}, {}, "base_link", config));
           },
           {},
           "lasers.yaml"};
@@ -106,8 +105,7 @@ Kind hesai_calibration() {
           [](const fs::path& folder) {
             preprocessing::PreprocessingConfig config;
             config.hesai_calibration = folder / "lasers.csv";
-            recordings::BagInput input({folder / "a.bag"}, {}, "base_link", config);
-            read_all(input);
+            read_all(*recordings::make_bag_input({folder / "a.bag"}, {}, "base_link", config));
           },
           {},
           "lasers.csv"};

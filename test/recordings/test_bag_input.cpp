@@ -29,9 +29,9 @@ TEST(BagInput, ReadsOnBehindATimeOfRecordingThatIsNone) {
   const char* const change = "UPDATE messages SET timestamp = -1 WHERE id = 1";
   EXPECT_EQ(sqlite3_exec(database, change, nullptr, nullptr, nullptr), SQLITE_OK);
   sqlite3_close(database);
-  BagInput input({path}, {}, "base_link", {});
+  const auto input = make_bag_input({path}, {}, "base_link", {});
   std::size_t count = 0;
-  while (input.next()) ++count;
+  while (input->next()) ++count;
   EXPECT_EQ(count, 3U);
 }
 
@@ -62,11 +62,11 @@ TEST(BagInput, SaysHowManyPacketsCameLate) {
   const test::TemporaryFolder folder;
   const std::string path = (folder.path() / "drive.bag").string();
   record_a_late_packet(path);
-  BagInput input({path}, {}, "base_link", {});
+  const auto input = make_bag_input({path}, {}, "base_link", {});
   std::size_t scans = 0;
-  while (input.next()) ++scans;
+  while (input->next()) ++scans;
   EXPECT_EQ(scans, 2U);
-  EXPECT_EQ(input.take_messages(),
+  EXPECT_EQ(input->take_messages(),
             std::vector<std::string>{
                 "packets of the sensor that came behind their turn and were left out: 1"});
 }

@@ -8,6 +8,7 @@
 #include "error_text.hpp"
 #include "examined_example.hpp"
 #include "file_content.hpp"
+#include "holds.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using localization::LocalizationState;
+using test::holds;
 
 class ExaminedDriveFiles : public testing::Test {
  protected:
@@ -101,28 +103,26 @@ TEST_F(ExaminedDriveFiles, AreRefusedIfTheTableIsDamaged) {
     const std::string answer = refusal_with(fault.words, fault.others);
     for (const char* part :
          {fault.answer, "localization.csv", "; localize_bag writes the files again"}) {
-      EXPECT_NE(answer.find(part), std::string::npos) << fault.others << ": " << answer;
+      EXPECT_TRUE(holds(answer, part)) << fault.others;
     }
   }
   const std::string answer = refusal_with(",following,", ",folowing,");
-  EXPECT_NE(answer.find("localization.csv:7: "), std::string::npos) << answer;
+  EXPECT_TRUE(holds(answer, "localization.csv:7: "));
 }
 
 TEST_F(ExaminedDriveFiles, AreRefusedWhereTheyDoNotBelongTogether) {
   ExaminedDrive drive = straight_drive();
   std::ofstream(drive_ / "localization.csv") << table_of({});
-  EXPECT_NE(refusal().find("has no scan"), std::string::npos) << refusal();
+  EXPECT_TRUE(holds(refusal(), "has no scan"));
   drive.scans.pop_back();
   std::ofstream(drive_ / "localization.csv") << table_of(drive.scans);
-  EXPECT_NE(refusal().find("does not hold the scans of localization.csv"), std::string::npos)
-      << refusal();
+  EXPECT_TRUE(holds(refusal(), "does not hold the scans of localization.csv"));
 }
 
 TEST_F(ExaminedDriveFiles, AreMissedWhereTheyAreNot) {
-  EXPECT_NE(test::error_text<FileError>([this] {
-              read_examined_drive(folder_.path(), map_, "monday");
-            }).find("there is no localization.json in"),
-            std::string::npos);
+  EXPECT_TRUE(holds(
+      test::error_text<FileError>([this] { read_examined_drive(folder_.path(), map_, "monday"); }),
+      "there is no localization.json in"));
   fs::remove(drive_ / "trajectory/laser_odom_scans.tum");
   EXPECT_THROW(read(), FileError);
 }
@@ -134,23 +134,21 @@ TEST_F(ExaminedDriveFiles, AreRefusedWithADamagedRecord) {
         std::pair("\"digest\"", "\"digits\""), std::pair("\"monday\"", "5"),
         std::pair("\"tuesday.bag\"", "7"), std::pair("{", "")}) {
     const std::string answer = refusal_with("localization.json", words, others);
-    EXPECT_NE(answer.find("localization.json is damaged: "), std::string::npos) << others << answer;
+    EXPECT_TRUE(holds(answer, "localization.json is damaged: ")) << others;
   }
 }
 
 TEST_F(ExaminedDriveFiles, ExamineTheMapInWhichTheDriveWasLocalised) {
   map_.poses.pop_back();
-  EXPECT_NE(refusal().find("it was localised in the map monday (30 key frames), which is another "
-                           "one than monday (29 key frames); localise it in this map"),
-            std::string::npos)
-      << refusal();
+  EXPECT_TRUE(holds(refusal(),
+                    "it was localised in the map monday (30 key frames), which is another "
+                    "one than monday (29 key frames); localise it in this map"));
   map_ = straight_map();
   map_.poses[3].stamp += 1;
-  EXPECT_NE(refusal().find("which is another one than"), std::string::npos) << refusal();
+  EXPECT_TRUE(holds(refusal(), "which is another one than"));
   map_ = straight_map();
   map_.poses[3].T_map_base.translation.z() += 0.01;
-  EXPECT_NE(refusal().find("the poses of the map monday have changed since"), std::string::npos)
-      << refusal();
+  EXPECT_TRUE(holds(refusal(), "the poses of the map monday have changed since"));
   map_ = straight_map();
   EXPECT_NO_THROW(read_examined_drive(drive_, map_, "copy of monday"));
 }
@@ -160,9 +158,7 @@ TEST_F(ExaminedDriveFiles, DoNotExamineTheMapOfTheDriveItself) {
   ExaminedDrive drive = straight_drive();
   for (ExaminedScan& scan : drive.scans) scan.stamp -= kTuesday - kMonday;
   write_drive(drive_, drive, map_);
-  EXPECT_NE(refusal().find("the map was made from it: key frame 0 is one of its scans"),
-            std::string::npos)
-      << refusal();
+  EXPECT_TRUE(holds(refusal(), "the map was made from it: key frame 0 is one of its scans"));
 }
 
 // Two drives may both begin at the time 0 of their sensor.

@@ -2,18 +2,13 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
-#include <utility>
-
-#include <gtest/gtest.h>
 
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "cloud_forms.hpp"
-#include "program.hpp"
+#include "commands.hpp"
 #include "rewritten_bag.hpp"
-#include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {
 
@@ -28,16 +23,13 @@ WriteCloud with(const Make& make) {
 }
 
 /// A drive in other forms, and what the commands make of it.
-class InputForms : public ::testing::Test {
+class InputForms : public Commands {
  protected:
   /// A drive of a VLP-16 that was simulated once for all tests.
   static std::string drive() {
-    static const TemporaryFolder folder;
     static const std::string bag = [] {
-      const std::string path = folder.path() / "drive.bag";
-      Program simulation("simulate_drive", {path, "--lidar", "vlp16", "--duration", "8"},
-                         folder.path() / "log");
-      EXPECT_EQ(simulation.wait(), 0) << simulation.output();
+      const std::string path = root() / "drive.bag";
+      EXPECT_EQ(run("simulate_drive", {path, "--lidar", "vlp16", "--duration", "8"}), 0);
       return path;
     }();
     return bag;
@@ -51,27 +43,17 @@ class InputForms : public ::testing::Test {
   std::string written(const std::string& name, const WriteCloud& write) const {
     return rewritten(name, for_clouds(write));
   }
-  /// The odometry that map_bag makes of a recording, and what it says of it.
-  std::pair<Trajectory, std::string> mapped_and_said(const std::string& input,
-                                                     const Words& more = {}) const {
+  /// The odometry that map_bag makes of a recording.
+  Trajectory mapped(const std::string& input, const Words& more = {}) const {
     static int sessions = 0;
     const std::string session = folder_.path() / ("session_" + std::to_string(++sessions));
-    Words words = {input, "-o", session, "--no-map", "--allow-doubt"};
-    words.insert(words.end(), more.begin(), more.end());
-    Program map("map_bag", words, folder_.path() / "log");
-    EXPECT_EQ(map.wait(), 0) << map.output();
-    return {read_trajectory(session + "/trajectory/laser_odom_scans.tum"), map.output()};
-  }
-  Trajectory mapped(const std::string& input, const Words& more = {}) const {
-    return mapped_and_said(input, more).first;
+    const Words words = {input, "-o", session, "--no-map", "--allow-doubt"};
+    EXPECT_EQ(run("map_bag", joined(words, more)), 0);
+    return read_trajectory(session + "/trajectory/laser_odom_scans.tum");
   }
   /// What check_bag says of a recording, and its exit status.
-  std::pair<std::string, int> checked(const std::string& input, const Words& more = {}) const {
-    Words words = {input};
-    words.insert(words.end(), more.begin(), more.end());
-    Program check("check_bag", words, folder_.path() / "log");
-    const int status = check.wait();
-    return {check.output(), status};
+  static Ending checked(const std::string& input, const Words& more = {}) {
+    return run("check_bag", joined({input}, more));
   }
 
   static void expect_equal_poses(const Trajectory& trajectory, const Trajectory& plain) {
@@ -92,13 +74,10 @@ class InputForms : public ::testing::Test {
   void expect_poses_of_the_drive(const std::string& name, const WriteCloud& write) const {
     expect_equal_poses(mapped(written(name, write)), plain_poses());
   }
-  void expect_said(const std::pair<std::string, int>& said, const std::string& words,
-                   int status) const {
-    EXPECT_NE(said.first.find(words), std::string::npos) << said.first;
-    EXPECT_EQ(said.second, status) << said.first;
+  static void expect_said(const Ending& ending, const std::string& words, int status) {
+    EXPECT_TRUE(holds(ending.said, words));
+    EXPECT_EQ(ending, status);
   }
-
-  const TemporaryFolder folder_;
 
   /// The odometry of the drive with its clouds as they are, made once for all tests.
   Trajectory plain_poses() const {

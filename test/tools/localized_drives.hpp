@@ -12,15 +12,14 @@ namespace lidar_mapping::test {
 /// another day, with other cars, in the other direction, by another sensor.
 class LocalizedDrives : public SimulatedDrives {
  protected:
-  static std::string bag(const std::string& name, Words words) {
-    words.insert(words.begin(), {"--drive", "figure_eight"});
-    return simulated(name, words);
+  static std::string bag(const std::string& name, const Words& words) {
+    return simulated(name, joined({"--drive", "figure_eight"}, words));
   }
   static std::string map() {
     const std::filesystem::path session = root() / "map";
     if (std::filesystem::exists(session)) return session;
     const std::string drive = bag("mapping", {"--lidar", "os1_64", "--duration", "45"});
-    EXPECT_EQ(run("map_bag", {drive, "-o", session, "--no-map"}), 0) << said();
+    EXPECT_EQ(run("map_bag", {drive, "-o", session, "--no-map"}), 0);
     return session;
   }
   static std::string other_day() {
@@ -31,18 +30,17 @@ class LocalizedDrives : public SimulatedDrives {
     return bag("way_back", {"--lidar", "os1_64", "--pass", "2", "--parked", "2", "--reverse",
                             "--start", "24", "--duration", "50"});
   }
-  static int localize(const std::string& drive, const std::filesystem::path& output,
-                      Words more = {}) {
-    more.insert(more.begin(), {drive, map(), "-o", output.string()});
-    return run("localize_bag", more);
+  static Ending localize(const std::string& drive, const std::filesystem::path& output,
+                         const Words& more = {}) {
+    return localize_in(map(), drive, output, more);
   }
 
   /// The drive of another day in the map, localised once.
   static std::filesystem::path localized_day() {
     const std::filesystem::path output = root() / "day";
     if (std::filesystem::exists(output)) return output;
-    EXPECT_EQ(localize(other_day(), output), 0) << said();
-    EXPECT_TRUE(has_said("found after")) << said();
+    EXPECT_EQ(localize(other_day(), output), 0);
+    EXPECT_TRUE(has_said("found after"));
     return output;
   }
 

@@ -6,46 +6,41 @@
 #include <stdexcept>
 #include <string>
 
-#include <gtest/gtest.h>
-
 #include "lidar_mapping/session/session.hpp"
 
-#include "file_content.hpp"
-#include "program.hpp"
-#include "temporary_folder.hpp"
+#include "commands.hpp"
 
 namespace lidar_mapping::test {
 
 /// A short drive that was simulated and mapped once for all tests of a program: its bag, and a
 /// session of an undisturbed run.
-class MappedDrive : public testing::Test {
+class MappedDrive : public Commands {
  protected:
   using Clock = std::chrono::steady_clock;
 
-  static const std::filesystem::path& root() { return made().folder.path(); }
+  MappedDrive() { whole_seconds(); }
+
   static std::string bag() { return root() / "drive.bag"; }
   /// The session of the undisturbed run, and the seconds that it took.
   static std::filesystem::path whole() { return root() / "whole"; }
-  static double whole_seconds() { return made().seconds; }
+  static double whole_seconds() {
+    static const double seconds = made_in();
+    return seconds;
+  }
 
-  static Words with_bag(Words words) {
-    words.insert(words.begin(), bag());
-    return words;
-  }
-  static int run(const std::string& program, const Words& words) {
-    return Program(program, words, root() / "log").wait();
-  }
-  static int map(const Words& words) { return run("map_bag", with_bag(words)); }
-  static std::string said() { return content_of(root() / "log"); }
-  static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
+  static Words with_bag(const Words& words) { return joined({bag()}, words); }
+  static Ending map(const Words& words) { return run("map_bag", with_bag(words)); }
 
   static std::size_t files_in(const std::filesystem::path& folder) {
     if (!std::filesystem::exists(folder)) return 0;
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
                                                   std::filesystem::directory_iterator()));
   }
+  static session::Session opened(const std::filesystem::path& folder) {
+    return session::Session::open(folder, session::Session::Access::kRead);
+  }
   static std::size_t key_frames_in(const std::filesystem::path& folder) {
-    return session::Session::open(folder, session::Session::Access::kRead).key_frame_count();
+    return opened(folder).key_frame_count();
   }
   /// Waits until so many key frames have been written, or the program has ended.
   static void wait_for_key_frames(const Program& program, const std::filesystem::path& folder,
@@ -55,25 +50,15 @@ class MappedDrive : public testing::Test {
   }
 
  private:
-  struct Made {
-    Made() {
-      const auto expect = [this](const std::string& program, const Words& words) {
-        Program running(program, words, folder.path() / "log");
-        if (running.wait() != 0) throw std::runtime_error(running.output());
-      };
-      const std::string drive = folder.path() / "drive.bag";
-      expect("simulate_drive", {drive, "--lidar", "vlp16", "--duration", "14"});
-      const auto begin = Clock::now();
-      expect("map_bag",
-             {drive, "-o", folder.path() / "whole", "--threads", "2", "--formats", "pcd,ply,png"});
-      seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    }
-    TemporaryFolder folder;
-    double seconds = 0.0;
-  };
-  static const Made& made() {
-    static const Made once;
-    return once;
+  /// Simulates and maps the drive; the seconds that mapping took.
+  static double made_in() {
+    const auto expect = [](const Ending& ending) {
+      if (ending.status != 0) throw std::runtime_error(ending.said);
+    };
+    expect(run("simulate_drive", {bag(), "--lidar", "vlp16", "--duration", "14"}));
+    const auto begin = Clock::now();
+    expect(map({"-o", whole(), "--threads", "2", "--formats", "pcd,ply,png"}));
+    return std::chrono::duration<double>(Clock::now() - begin).count();
   }
 };
 

@@ -5,37 +5,27 @@
 #include <filesystem>
 #include <string>
 
-#include <gtest/gtest.h>
-
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
-#include "file_content.hpp"
-#include "program.hpp"
-#include "temporary_folder.hpp"
+#include "commands.hpp"
 
 namespace lidar_mapping::test {
 
-/// Simulated drives, and what the commands make of them, in one folder for all tests of a program.
-/// The map is that of the drive "mapping".
-class SimulatedDrives : public testing::Test {
+/// Simulated drives, and what the commands make of them. The map is that of the drive "mapping".
+class SimulatedDrives : public Commands {
  protected:
-  static const std::filesystem::path& root() {
-    static const TemporaryFolder folder;
-    return folder.path();
-  }
-  static int run(const std::string& program, const Words& words) {
-    return Program(program, words, root() / "log").wait();
-  }
-  static std::string said() { return content_of(root() / "log"); }
-  static bool has_said(const std::string& words) { return said().find(words) != std::string::npos; }
-
   /// Simulates a drive once; its truth lies beside it.
-  static std::string simulated(const std::string& name, Words words) {
+  static std::string simulated(const std::string& name, const Words& words) {
     const std::filesystem::path path = root() / (name + ".bag");
     if (std::filesystem::exists(path)) return path;
-    words.insert(words.begin(), {path.string(), "--truth", (root() / (name + ".tum")).string()});
-    EXPECT_EQ(run("simulate_drive", words), 0) << said();
+    const Words outputs = {path, "--truth", root() / (name + ".tum")};
+    EXPECT_EQ(run("simulate_drive", joined(outputs, words)), 0);
     return path;
+  }
+
+  static Ending localize_in(const std::filesystem::path& map, const std::string& drive,
+                            const std::filesystem::path& output, const Words& more = {}) {
+    return run("localize_bag", joined({drive, map, "-o", output}, more));
   }
 
   /// T_truth_map: where the map lies in the simulated world, by the session `map`. The mapping

@@ -15,7 +15,6 @@ namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
 using test::Words;
 
 class BuildMap : public test::MappedDrive {
@@ -23,13 +22,10 @@ class BuildMap : public test::MappedDrive {
   /// Its map of the session, as the options want it.
   PointCloud built(const Words& options) {
     const fs::path target = folder_.path() / std::to_string(++runs_);
-    Words words = {whole(), "-o", target};
-    words.insert(words.end(), options.begin(), options.end());
-    EXPECT_EQ(run("build_map", words), 0) << said();
+    EXPECT_EQ(run("build_map", joined({whole(), "-o", target}, options)), 0);
     return session::read_pcd(target / "map.pcd");
   }
 
-  TemporaryFolder folder_;
   int runs_ = 0;
 };
 
@@ -40,10 +36,8 @@ TEST_F(BuildMap, TakesFormatsInCapitals) {
 
 TEST_F(BuildMap, CropsToABox) {
   const PointCloud whole_map = built({"--formats", "pcd"});
-  const Words box = {"-10", "-5", "0.5", "20", "8.5", "3"};
-  Words words = {"--formats", "pcd", "--crop"};
-  words.insert(words.end(), box.begin(), box.end());
-  const PointCloud part = built(words);
+  const PointCloud part =
+      built({"--formats", "pcd", "--crop", "-10", "-5", "0.5", "20", "8.5", "3"});
   ASSERT_GT(part.size(), 100U);
   std::size_t inside = 0;
   const auto is_in = [](const Point& p, float margin) {
@@ -55,42 +49,41 @@ TEST_F(BuildMap, CropsToABox) {
   EXPECT_NEAR(static_cast<double>(part.size()), static_cast<double>(inside),
               0.1 * static_cast<double>(inside));
 
-  words = {whole(), "--crop", "10", "0", "0", "5", "1", "1"};
-  EXPECT_EQ(run("build_map", words), 1);
-  EXPECT_TRUE(has_said("is empty; give the lower corner first")) << said();
-  words = {whole(), "-o", folder_.path() / "none", "--crop", "9000", "0", "0", "9001", "1", "1"};
-  EXPECT_EQ(run("build_map", words), 1);
-  EXPECT_TRUE(has_said("no point of the map lies in the box")) << said();
+  EXPECT_EQ(run("build_map", {whole(), "--crop", "10", "0", "0", "5", "1", "1"}), 1);
+  EXPECT_TRUE(has_said("is empty; give the lower corner first"));
+  const Words far = {whole(), "-o", folder_.path() / "none", "--crop", "9000", "0", "0", "9001",
+                     "1",     "1"};
+  EXPECT_EQ(run("build_map", far), 1);
+  EXPECT_TRUE(has_said("no point of the map lies in the box"));
 }
 
 TEST_F(BuildMap, TakesTheKeyFramesUpToADate) {
-  const auto key_frames =
-      session::Session::open(whole(), session::Session::Access::kRead).key_frames();
+  const auto key_frames = opened(whole()).key_frames();
   const std::string day = iso_date(key_frames.back().stamp).substr(0, 10);
   EXPECT_EQ(built({"--formats", "pcd", "--as-of", day}).size(), built({"--formats", "pcd"}).size());
   const std::string second = iso_date(key_frames[key_frames.size() / 2].stamp);
   const std::size_t half = built({"--formats", "pcd", "--as-of", second}).size();
   EXPECT_LT(half, built({"--formats", "pcd"}).size());
-  EXPECT_TRUE(has_said(" key frames")) << said();
+  EXPECT_TRUE(has_said(" key frames"));
 
   const fs::path none = folder_.path() / "none";
   EXPECT_EQ(run("build_map", {whole(), "-o", none, "--as-of", "1999-12-31"}), 1);
-  EXPECT_TRUE(has_said("no key frame is as old as the date of --as-of; the first one is of " + day))
-      << said();
+  EXPECT_TRUE(
+      has_said("no key frame is as old as the date of --as-of; the first one is of " + day));
   EXPECT_EQ(run("build_map", {whole(), "-o", none, "--as-of", "yesterday"}), 1);
-  EXPECT_TRUE(has_said("'yesterday' is not a date")) << said();
+  EXPECT_TRUE(has_said("'yesterday' is not a date"));
 }
 
 /// What the page and a GIS show of this drive; the other tests of these formats have maps by hand.
 TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
   const fs::path target = folder_.path() / "gis";
-  ASSERT_EQ(run("build_map", {whole(), "-o", target, "--formats", "ept,geojson,pcd"}), 0) << said();
+  ASSERT_EQ(run("build_map", {whole(), "-o", target, "--formats", "ept,geojson,pcd"}), 0);
   const std::string reader = "python3 map/read_ept.py " + (target / "ept").string();
   EXPECT_EQ(std::system(reader.c_str()), 0);
   EXPECT_FALSE(fs::exists(target / "ept" / "index.html")) << "nobody asked for the page";
   const auto ept = nlohmann::json::parse(test::content_of(target / "ept" / "ept.json"));
   EXPECT_EQ(ept["points"], session::read_pcd(target / "map.pcd").size());
-  const auto session = session::Session::open(whole(), session::Session::Access::kRead);
+  const auto session = opened(whole());
   const auto& time = ept["schema"][5];
   ASSERT_EQ(time["name"], "GpsTime");
   EXPECT_EQ(time["minimum"], to_seconds(session.key_frames().front().stamp));
@@ -101,15 +94,14 @@ TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
 
 TEST_F(BuildMap, RefusesCellsSmallerThanTheVoxels) {
   EXPECT_EQ(run("build_map", {whole(), "--formats", "grid", "--cell", "0.1"}), 1);
-  EXPECT_TRUE(has_said("smaller than the map's voxels")) << said();
+  EXPECT_TRUE(has_said("smaller than the map's voxels"));
 }
 
 /// To see by eye whether extrinsics and receivers are right.
 TEST_F(BuildMap, PlacesKeyFramesWhereATrajectorySays) {
   const PointCloud own = built({"--formats", "pcd"});
   Trajectory moved;
-  for (const KeyFramePose& pose :
-       session::Session::open(whole(), session::Session::Access::kRead).poses().poses) {
+  for (const KeyFramePose& pose : opened(whole()).poses().poses) {
     moved.poses.push_back({pose.stamp, pose.T_map_base});
     moved.poses.back().pose.translation.z() += 100.0;
   }
@@ -127,7 +119,7 @@ TEST_F(BuildMap, PlacesKeyFramesWhereATrajectorySays) {
   for (StampedPose& pose : moved.poses) pose.stamp += from_seconds(1e6);
   std::ofstream(file) << to_tum(moved);
   EXPECT_EQ(run("build_map", {whole(), "-o", folder_.path() / "none", "--poses", file}), 1);
-  EXPECT_TRUE(has_said("is it of this drive?")) << said();
+  EXPECT_TRUE(has_said("is it of this drive?"));
 }
 
 TEST_F(BuildMap, PutsAllScansIntoTheMap) {
@@ -135,7 +127,7 @@ TEST_F(BuildMap, PutsAllScansIntoTheMap) {
   const std::size_t scans =
       built({"--formats", "pcd", "--resolution", "0.05", "--scans", bag()}).size();
   EXPECT_GT(scans, 3 * key_frames / 2);
-  EXPECT_TRUE(has_said(" scans\n")) << said();
+  EXPECT_TRUE(has_said(" scans\n"));
   const std::size_t full = built({"--formats", "pcd", "--resolution", "0.05", "--every", "2",
                                   "--scan-resolution", "0", "--scans", bag()})
                                .size();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "holds.hpp"
 #include "simulated_drive/drive_output.hpp"
 #include "temporary_folder.hpp"
 
@@ -56,22 +57,15 @@ std::vector<std::string> findings_in(const simulation::DriveOptions& options,
   return diagnostics;
 }
 
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  return text;
-}
-
 /// A finding that holds the words, and no other that is about something else.
 void expect_only(const std::vector<std::string>& diagnostics, const std::string& words) {
-  EXPECT_NE(joined(diagnostics).find(words), std::string::npos) << words << "\n"
-                                                                << joined(diagnostics);
-  EXPECT_EQ(diagnostics.size(), 1U) << joined(diagnostics);
+  EXPECT_TRUE(test::holds(joined(diagnostics, "\n"), words));
+  EXPECT_EQ(diagnostics.size(), 1U) << joined(diagnostics, "\n");
 }
 
 TEST(CheckBag, FindsNothingInCleanBags) {
-  EXPECT_EQ(joined(findings_in(short_drive(), {})), "");
-  EXPECT_EQ(joined(findings_in(long_drive(), without_clouds())), "");
+  EXPECT_EQ(joined(findings_in(short_drive(), {}), "\n"), "");
+  EXPECT_EQ(joined(findings_in(long_drive(), without_clouds()), "\n"), "");
 }
 
 TEST(CheckBag, FindsFaultsOfClouds) {
@@ -94,7 +88,7 @@ TEST(CheckBag, FindsFaultsOfImuAndVelocity) {
   expect_only(spoilt(BagFault::kGyroInDegrees), "set imu_angular_unit to DEG_PER_S");
   expect_only(spoilt(BagFault::kVelocityInKmh), "they are in km/h");
   const auto diagnostics = spoilt(BagFault::kNoImuTransform);  // the velocity has the same frame
-  ASSERT_EQ(diagnostics.size(), 2U) << joined(diagnostics);
+  ASSERT_EQ(diagnostics.size(), 2U) << joined(diagnostics, "\n");
   EXPECT_NE(diagnostics[0].find("no transform from 'imu_link'"), std::string::npos);
 }
 
@@ -108,8 +102,8 @@ TEST(CheckBag, FindsAntennasThatAreElsewhereAndLateStamps) {
 TEST(CheckBag, FindsOutagesJumpsAndWrongCovariances) {
   simulation::DriveOptions options = long_drive();
   options.gnss_outages = {{40.0, 100.0}};
-  const auto outage = findings_in(options, without_clouds());
-  EXPECT_NE(joined(outage).find("no usable fix for 60"), std::string::npos) << joined(outage);
+  const std::string outage = joined(findings_in(options, without_clouds()), "\n");
+  EXPECT_TRUE(test::holds(outage, "no usable fix for 60"));
   for (const double metres : {5.0, 50.0}) {
     options = long_drive();
     options.gnss_jumps = {{50.0, metres}};

@@ -12,13 +12,16 @@
 #include "command_line/process_memory.hpp"
 #include "command_line/progress_bar.hpp"
 #include "command_line/run_command.hpp"
+#include "error_text.hpp"
+#include "holds.hpp"
 #include "parameters/config_path.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
-namespace fs = std::filesystem;
+using test::error_text;
+using test::holds;
 
 /// What a command that was called as /opt/bin/measure with these words writes and ends with.
 struct Ended {
@@ -92,16 +95,6 @@ class CommandFiles : public testing::Test {
     std::ofstream(folder_.path() / name) << "there\n";
     return folder_.path() / name;
   }
-  template <typename Call>
-  static std::string error_of(const Call& call) {
-    try {
-      call();
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
   test::TemporaryFolder folder_;
 };
 
@@ -109,7 +102,7 @@ TEST_F(CommandFiles, AreOverwrittenOnlyOnRequest) {
   const std::string there = file("drive.bag"), absent = folder_.path() / "other.bag";
   EXPECT_NO_THROW(check_overwriting({absent, ""}, false));
   EXPECT_NO_THROW(check_overwriting({absent, there}, true));
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(error_text<FileError>([&] {
               check_overwriting({absent, there}, false);
             }),
             there + " exists; name another file, or give --force to overwrite it");
@@ -122,13 +115,13 @@ TEST_F(CommandFiles, OfAStageAreFoundInAFolderOrByTheirName) {
   EXPECT_EQ(stage_file(folder_.path(), "map"), "") << "not every stage has one";
   EXPECT_EQ(stage_file(back_end, "back_end"), back_end);
   EXPECT_EQ(stage_file(back_end, "map"), "") << "it is of another stage";
-  EXPECT_NE(error_of([&] { stage_file(folder_.path() / "absent", "map"); }).find("no folder or"),
-            std::string::npos);
+  EXPECT_TRUE(holds(error_text<FileError>([&] { stage_file(folder_.path() / "absent", "map"); }),
+                    "no folder or"));
   EXPECT_EQ(only_stage_file(other, "back_end"), other) << "the only stage's may have any name";
   EXPECT_EQ(only_stage_file("", "back_end"), "");
   EXPECT_EQ(only_stage_file(folder_.path(), "back_end"), back_end);
-  EXPECT_NE(error_of([&] { only_stage_file(folder_.path(), "map"); }).find("there is no map.yaml"),
-            std::string::npos);
+  EXPECT_TRUE(holds(error_text<FileError>([&] { only_stage_file(folder_.path(), "map"); }),
+                    "there is no map.yaml"));
 }
 
 TEST(ProcessMemory, GrowsWithWhatIsTouched) {

@@ -14,13 +14,17 @@
 #include "lidar_mapping/preprocessing/floor_detection_config.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
+#include "error_text.hpp"
 #include "file_content.hpp"
+#include "holds.hpp"
 #include "parameters/config_documents.hpp"
 #include "parameters/stage_files.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
+
+using test::holds;
 
 /// Tests run in the folder test/.
 std::string shipped_path(const std::string& stage) { return "../config/" + stage + ".yaml"; }
@@ -37,7 +41,7 @@ TEST(ConfigDocuments, ShippedFilesAreThoseOfTheSchemas) {
 TEST(ConfigDocuments, ManualHasTheTablesOfTheSchemas) {
   const std::string manual = test::content_of("../doc/parameters.md");
   for (const ConfigDocument& document : config_documents()) {
-    EXPECT_NE(manual.find(document.markdown), std::string::npos)
+    EXPECT_TRUE(holds(manual, document.markdown))
         << "write the table again: rosrun lidar_mapping describe_config --markdown "
         << document.stage;
   }
@@ -87,13 +91,10 @@ TEST(Overlays, OfThePlaceGoOverThatOfTheSensorAndSingleParametersOverBoth) {
   const StageFiles asked =
       read_stage_files({"", "vlp16", "indoor", {"front_end/key_frame_distance: 0.7"}});
   EXPECT_EQ(asked.pipeline.front_end.key_frame_distance, 0.7);
-  try {
+  const std::string problem = test::error_text<ConfigError>([] {
     read_stage_files({"", "", "outdoors", {}});
-    ADD_FAILURE() << "there is no such preset";
-  } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("there are indoor"), std::string::npos)
-        << error.what();
-  }
+  });
+  EXPECT_TRUE(holds(problem, "there are indoor"));
 }
 
 TEST(StageFiles, HaveAnglesInDegreesAndStagesInRadians) {
@@ -104,7 +105,7 @@ TEST(StageFiles, HaveAnglesInDegreesAndStagesInRadians) {
   EXPECT_EQ(stages.floor_detection.tilt, 20.0 * kRadPerDeg);
   EXPECT_DOUBLE_EQ(stages.loop_closing.rotation_drift, 0.015 * kRadPerDeg);
   const std::string& text = files.texts.at("preprocessing");
-  EXPECT_NE(text.find("\nvertical_angle_correction_deg: 0.205\n"), std::string::npos) << text;
+  EXPECT_TRUE(holds(text, "\nvertical_angle_correction_deg: 0.205\n"));
 }
 
 TEST(StageFiles, ReadsTheFileOfTheMapViewer) {

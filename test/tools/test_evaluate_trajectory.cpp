@@ -9,12 +9,14 @@
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "file_content.hpp"
+#include "holds.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using test::holds;
 
 Pose slip(std::mt19937& random, double sigma_m, double sigma_rad) {
   std::normal_distribution<double> normal;
@@ -49,69 +51,25 @@ struct Drive {
   }
 };
 
-class EvaluateTrajectory : public testing::TestWithParam<std::string> {
- protected:
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_.path() / name) << text;
-  }
-
-  /// Runs the program on the files "truth" and "estimate", and the check on what it says.
-  void expect_right() const {
-    const std::string files = "'" + (folder_.path() / "truth").string() + "' '" +
-                              (folder_.path() / "estimate").string() + "' ";
-    const std::string figures = "'" + (folder_.path() / "figures.json").string() + "'";
-    const std::string command = std::string(LIDAR_MAPPING_EVALUATE_TRAJECTORY) + " " + files +
-                                "--json " + figures + " " + GetParam() + " > /dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-    EXPECT_EQ(std::system(("python3 tools/check_trajectory_errors.py " + files + figures).c_str()),
-              0);
-  }
-
-  const test::TemporaryFolder folder_;
-  const Drive drive_;
-};
-
-TEST_P(EvaluateTrajectory, IsRightForKittiFiles) {
-  write("truth", to_kitti(drive_.truth));
-  write("estimate", to_kitti(drive_.estimate));
-  expect_right();
-}
-
-TEST_P(EvaluateTrajectory, IsRightForTumFiles) {
-  write("truth", to_tum(drive_.truth));
-  write("estimate", to_tum(drive_.estimate));
-  expect_right();
-}
-
-// The truth is interpolated, and what lies outside of it is left out.
-TEST_P(EvaluateTrajectory, IsRightWhereStampsDiffer) {
-  Trajectory shifted = drive_.estimate;
-  for (StampedPose& pose : shifted.poses) pose.stamp += from_seconds(0.037);
-  write("truth", to_tum(drive_.truth));
-  write("estimate", to_tum(shifted));
-  expect_right();
-}
-
-INSTANTIATE_TEST_SUITE_P(All, EvaluateTrajectory,
-                         testing::Values("", "--align", "--delta 50 --align --lengths 100 300",
-                                         "--align-origin", "--correct-scale", "-a -s",
-                                         "-a --lever-arm 1.2 -0.9 0.4 --lever-rotation 10 -5 90"));
-
 /// What the program says of two trajectories.
 class EvaluateTrajectoryCommand : public testing::Test {
  protected:
+  void write(const std::string& truth, const std::string& estimate) const {
+    std::ofstream(folder_.path() / "truth") << truth;
+    std::ofstream(folder_.path() / "estimate") << estimate;
+  }
   void write(const Trajectory& truth, const Trajectory& estimate) const {
-    std::ofstream(folder_.path() / "truth") << to_tum(truth);
-    std::ofstream(folder_.path() / "estimate") << to_tum(estimate);
+    write(to_tum(truth), to_tum(estimate));
+  }
+  /// Its path for a shell.
+  std::string file(const std::string& name) const {
+    return " '" + (folder_.path() / name).string() + "'";
   }
   std::string output_of(const std::string& options) const {
-    const std::string said = folder_.path() / "said";
-    const std::string command = std::string(LIDAR_MAPPING_EVALUATE_TRAJECTORY) + " '" +
-                                (folder_.path() / "truth").string() + "' '" +
-                                (folder_.path() / "estimate").string() + "' " + options + " > '" +
-                                said + "'";
+    const std::string command = LIDAR_MAPPING_EVALUATE_TRAJECTORY + file("truth") +
+                                file("estimate") + " " + options + " >" + file("said");
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
-    return test::content_of(said);
+    return test::content_of(folder_.path() / "said");
   }
   /// The truth as another frame on the vehicle has it, in a world of its own.
   static Trajectory seen_from(const Pose& T_base_frame, const Pose& T_world,
@@ -126,32 +84,67 @@ class EvaluateTrajectoryCommand : public testing::Test {
   const Pose elsewhere_{exp_so3({0.0, 0.0, 2.0}), {400.0, -30.0, 5.0}};
 };
 
+class EvaluateTrajectory : public EvaluateTrajectoryCommand,
+                           public testing::WithParamInterface<std::string> {
+ protected:
+  /// Runs the program, and the check on what it says.
+  void expect_right() const {
+    output_of("--json" + file("figures.json") + " " + GetParam());
+    const std::string check = "python3 tools/check_trajectory_errors.py" + file("truth") +
+                              file("estimate") + file("figures.json");
+    EXPECT_EQ(std::system(check.c_str()), 0);
+  }
+
+  const Drive drift_;
+};
+
+TEST_P(EvaluateTrajectory, IsRightForKittiFiles) {
+  write(to_kitti(drift_.truth), to_kitti(drift_.estimate));
+  expect_right();
+}
+
+TEST_P(EvaluateTrajectory, IsRightForTumFiles) {
+  write(drift_.truth, drift_.estimate);
+  expect_right();
+}
+
+// The truth is interpolated, and what lies outside of it is left out.
+TEST_P(EvaluateTrajectory, IsRightWhereStampsDiffer) {
+  Trajectory shifted = drift_.estimate;
+  for (StampedPose& pose : shifted.poses) pose.stamp += from_seconds(0.037);
+  write(drift_.truth, shifted);
+  expect_right();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EvaluateTrajectory,
+                         testing::Values("", "--align", "--delta 50 --align --lengths 100 300",
+                                         "--align-origin", "--correct-scale", "-a -s",
+                                         "-a --lever-arm 1.2 -0.9 0.4 --lever-rotation 10 -5 90"));
+
 TEST_F(EvaluateTrajectoryCommand, ProposesToAlign) {
   write(seen_from(Pose::Identity(), elsewhere_, drive_), drive_);
   const std::string said = output_of("");
-  EXPECT_NE(said.find("with --align: the trajectories lie in different frames"), std::string::npos)
-      << said;
-  EXPECT_EQ(output_of("--align").find("hint"), std::string::npos);
+  EXPECT_TRUE(holds(said, "with --align: the trajectories lie in different frames"));
+  EXPECT_FALSE(holds(output_of("--align"), "hint"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, ProposesALeverArm) {
   write(seen_from(lever_arm_, Pose::Identity(), drive_), drive_);
-  EXPECT_NE(output_of("").find("with --lever-arm 1.20 -0.90 "), std::string::npos) << output_of("");
+  EXPECT_TRUE(holds(output_of(""), "with --lever-arm 1.20 -0.90 "));
   write(seen_from(lever_arm_, elsewhere_, drive_), drive_);
   for (const char* options : {"", "--align"}) {
     const std::string said = output_of(options);
-    EXPECT_NE(said.find("with --align --lever-arm 1.20 -0.90 "), std::string::npos) << said;
+    EXPECT_TRUE(holds(said, "with --align --lever-arm 1.20 -0.90 "));
   }
   const std::string said = output_of("--align --lever-arm 1.2 -0.9 0");
-  EXPECT_EQ(said.find("hint"), std::string::npos) << said;
-  EXPECT_NE(said.find("APE translation          rmse    0.0000"), std::string::npos) << said;
+  EXPECT_FALSE(holds(said, "hint"));
+  EXPECT_TRUE(holds(said, "APE translation          rmse    0.0000"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, ProposesTheAxesOfTheTruth) {
   const Pose turned{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::Zero()};
   write(seen_from(turned, Pose::Identity(), drive_), drive_);
-  EXPECT_NE(output_of("").find("--lever-rotation 0.0 0.0 90.0"), std::string::npos)
-      << output_of("");
+  EXPECT_TRUE(holds(output_of(""), "--lever-rotation 0.0 0.0 90.0"));
 }
 
 // An error that grows is no frame and no lever arm.
@@ -161,13 +154,13 @@ TEST_F(EvaluateTrajectoryCommand, ProposesNothingForDrift) {
   const Pose back = drive.truth.poses[0].pose * near.poses[0].pose.inverse();
   for (StampedPose& pose : near.poses) pose.pose = back * pose.pose;
   write(drive.truth, near);
-  EXPECT_EQ(output_of("--align").find("lever-arm"), std::string::npos) << output_of("--align");
+  EXPECT_FALSE(holds(output_of("--align"), "lever-arm"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, SaysOverWhatTheRelativeErrorIs) {
   write(drive_, drive_);
-  EXPECT_NE(output_of("--delta 25").find("RPE translation, 25 m"), std::string::npos);
-  EXPECT_NE(output_of("--delta 0").find("RPE rotation, each step"), std::string::npos);
+  EXPECT_TRUE(holds(output_of("--delta 25"), "RPE translation, 25 m"));
+  EXPECT_TRUE(holds(output_of("--delta 0"), "RPE rotation, each step"));
 }
 
 TEST_F(EvaluateTrajectoryCommand, AlignsByTheFirstPosesAlone) {
@@ -176,8 +169,8 @@ TEST_F(EvaluateTrajectoryCommand, AlignsByTheFirstPosesAlone) {
   write(drive_, bent);
   const std::string said = output_of("--align --n-to-align 100");
   const std::string largest = "max    1.0000  m\nAPE rotation";
-  EXPECT_NE(said.find(largest), std::string::npos) << said;
-  EXPECT_EQ(output_of("--align").find(largest), std::string::npos);
+  EXPECT_TRUE(holds(said, largest));
+  EXPECT_FALSE(holds(output_of("--align"), largest));
 }
 
 TEST_F(EvaluateTrajectoryCommand, PlotsToAnyName) {

@@ -20,9 +20,8 @@ using test::Words;
 /// beyond its end.
 class ExtendMap : public test::SimulatedDrives {
  protected:
-  static std::string bag(const std::string& name, Words words) {
-    words.insert(words.begin(), {"--lidar", "vlp16"});
-    return simulated(name, words);
+  static std::string bag(const std::string& name, const Words& words) {
+    return simulated(name, joined({"--lidar", "vlp16"}, words));
   }
   /// Without the noise of GNSS, so that only what is added could move it.
   static fs::path map() {
@@ -31,26 +30,19 @@ class ExtendMap : public test::SimulatedDrives {
     const std::string drive = bag("mapping", {"--duration", "16"});
     EXPECT_EQ(run("map_bag",
                   {drive, "-o", session, "--no-map", "--parameter", "back_end/use_gnss: false"}),
-              0)
-        << said();
+              0);
     return session;
   }
   /// Through the map up to its end at 16 s and 100 m further.
   static std::string beyond() {
     return bag("beyond", {"--pass", "1", "--parked", "1", "--start", "3", "--duration", "32"});
   }
-  static int localize(const std::string& drive, const fs::path& in, const std::string& output,
-                      Words more = {}) {
-    more.insert(more.begin(), {drive, in.string(), "-o", (root() / output).string()});
-    return run("localize_bag", more);
-  }
   static fs::path extended() {
     const fs::path session = root() / "extended";
     if (fs::exists(session)) return session;
-    EXPECT_EQ(localize(beyond(), map(), "beyond_in_map",
-                       {"--extend", session.string(), "--threads", "2"}),
-              0)
-        << said();
+    EXPECT_EQ(localize_in(map(), beyond(), root() / "beyond_in_map",
+                          {"--extend", session.string(), "--threads", "2"}),
+              0);
     std::printf("%s", said().c_str());
     return session;
   }
@@ -96,7 +88,7 @@ TEST_F(ExtendMap, AddsWhatLiesBeyondAtItsTruePlace) {
 TEST_F(ExtendMap, FindsALaterDriveInWhatWasAdded) {
   const std::string later =
       bag("later", {"--pass", "2", "--parked", "2", "--start", "23", "--duration", "31"});
-  ASSERT_EQ(localize(later, extended(), "later_in_extended"), 0) << said();
+  ASSERT_EQ(localize_in(extended(), later, root() / "later_in_extended"), 0);
   const auto errors =
       errors_of("later", read_trajectory(root() / "later_in_extended/trajectory/localized.tum"));
   EXPECT_GT(errors.translation_m.count, 20U);
@@ -106,10 +98,9 @@ TEST_F(ExtendMap, FindsALaterDriveInWhatWasAdded) {
 
 TEST_F(ExtendMap, GivesTheSameBytesForAnyNumberOfThreads) {
   const fs::path by_one = root() / "extended_by_one";
-  ASSERT_EQ(
-      localize(beyond(), map(), "beyond_by_one", {"--extend", by_one.string(), "--threads", "1"}),
-      0)
-      << said();
+  ASSERT_EQ(localize_in(map(), beyond(), root() / "beyond_by_one",
+                        {"--extend", by_one.string(), "--threads", "1"}),
+            0);
   for (const char* file : {"trajectory/optimized.tum", "graph.g2o", "loops.csv"}) {
     const std::string content = content_of(by_one / file);
     EXPECT_GT(content.size(), 500U) << file;
@@ -119,10 +110,10 @@ TEST_F(ExtendMap, GivesTheSameBytesForAnyNumberOfThreads) {
 
 TEST_F(ExtendMap, WritesNothingForADriveThatStaysInTheMap) {
   const fs::path session = root() / "nothing";
-  ASSERT_EQ(localize(beyond(), map(), "inside", {"--duration", "10", "--extend", session.string()}),
-            0)
-      << said();
-  EXPECT_TRUE(has_said("so no session is written")) << said();
+  ASSERT_EQ(localize_in(map(), beyond(), root() / "inside",
+                        {"--duration", "10", "--extend", session.string()}),
+            0);
+  EXPECT_TRUE(has_said("so no session is written"));
   EXPECT_FALSE(fs::exists(session));
   EXPECT_FALSE(fs::exists(root() / ".nothing.drive.part"));
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -14,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::content_of;
-using test::TemporaryFolder;
 using test::Words;
 
 using LocalizeBag = test::LocalizedDrives;
@@ -29,9 +27,8 @@ TEST_F(LocalizeBag, FindsADriveOfAnotherDayByAnotherSensor) {
 
 TEST_F(LocalizeBag, ExaminesTheMap) {
   const fs::path file = root() / "quality.json";
-  ASSERT_EQ(run("map_quality", {map(), "--examined-by", localized_day(), "--json", file}), 0)
-      << said();
-  EXPECT_TRUE(has_said("examined by day (other_day.bag), ")) << said();
+  ASSERT_EQ(run("map_quality", {map(), "--examined-by", localized_day(), "--json", file}), 0);
+  EXPECT_TRUE(has_said("examined by day (other_day.bag), "));
   const json::Json figures = json::Json::parse(content_of(file));
   ASSERT_EQ(figures["examinations"].size(), 1U);
   const json::Json& drive = figures["examinations"][0];
@@ -47,7 +44,7 @@ TEST_F(LocalizeBag, ExaminesTheMap) {
 
 TEST_F(LocalizeBag, FindsADriveInTheOppositeDirection) {
   const fs::path output = root() / "back";
-  ASSERT_EQ(localize(way_back(), output), 0) << said();
+  ASSERT_EQ(localize(way_back(), output), 0);
   const auto errors = errors_of("way_back", output);
   EXPECT_GT(errors.translation_m.count, 150U);
   EXPECT_LT(errors.translation_m.max, 0.5);
@@ -58,8 +55,7 @@ TEST_F(LocalizeBag, FindsADriveInTheOppositeDirection) {
 TEST_F(LocalizeBag, GivesTheSameBytesForAnyNumberOfThreads) {
   const auto with_threads = [&](const std::string& threads) {
     const fs::path output = root() / ("threads_" + threads);
-    EXPECT_EQ(localize(other_day(), output, {"--duration", "8", "--threads", threads}), 0)
-        << said();
+    EXPECT_EQ(localize(other_day(), output, {"--duration", "8", "--threads", threads}), 0);
     return content_of(output / "trajectory/localized.tum") +
            content_of(output / "localization.csv");
   };
@@ -72,10 +68,10 @@ TEST_F(LocalizeBag, SaysThatADriveIsNotInTheMap) {
   const std::string elsewhere =
       bag("elsewhere", {"--lidar", "vlp16", "--seed", "77", "--duration", "10"});
   const fs::path output = root() / "nowhere";
-  EXPECT_EQ(localize(elsewhere, output), 5) << said();
-  EXPECT_TRUE(has_said("the drive was never found in the map")) << said();
+  EXPECT_EQ(localize(elsewhere, output), 5);
+  EXPECT_TRUE(has_said("the drive was never found in the map"));
   EXPECT_EQ(content_of(output / "trajectory/localized.tum"), "");
-  EXPECT_NE(content_of(output / "localization.csv").find(",searching,"), std::string::npos);
+  EXPECT_TRUE(test::holds(content_of(output / "localization.csv"), ",searching,"));
 }
 
 TEST_F(LocalizeBag, TakesAnInitialPoseAndIsNotMisledByAWrongOne) {
@@ -94,25 +90,23 @@ TEST_F(LocalizeBag, TakesAnInitialPoseAndIsNotMisledByAWrongOne) {
   };
   for (const double shift : {2.0, 60.0}) {
     const fs::path output = root() / ("claimed_" + std::to_string(shift));
-    EXPECT_EQ(localize(other_day(), output, pose_words(begin, shift)), 0) << said();
+    EXPECT_EQ(localize(other_day(), output, pose_words(begin, shift)), 0);
     EXPECT_LT(errors_of("other_day", output).translation_m.max, 0.5) << shift;
   }
 }
 
 TEST_F(LocalizeBag, LeavesAFolderAloneThatIsNotEmpty) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.path() / "diary.txt") << "mine";
-  EXPECT_EQ(localize(other_day(), folder.path()), 1);
-  EXPECT_TRUE(has_said("exists and is no empty folder")) << said();
+  std::ofstream(folder_.path() / "diary.txt") << "mine";
+  EXPECT_EQ(localize(other_day(), folder_.path()), 1);
+  EXPECT_TRUE(has_said("exists and is no empty folder"));
 }
 
 TEST_F(LocalizeBag, WritesFiguresAsJson) {
   const fs::path figures = root() / "figures.json";
   EXPECT_EQ(
       localize(other_day(), root() / "timed", {"--duration", "4", "--figures", figures.string()}),
-      0)
-      << said();
-  EXPECT_NE(content_of(figures).find("\"found_after\""), std::string::npos);
+      0);
+  EXPECT_TRUE(test::holds(content_of(figures), "\"found_after\""));
 }
 
 }  // namespace

@@ -6,11 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/csv.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/new_folder.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "examined_drive.hpp"
+#include "holds.hpp"
 #include "localization/localize_files.hpp"
 #include "localization/localize_summary.hpp"
 #include "near.hpp"
@@ -20,6 +22,7 @@ namespace lidar_mapping::tools {
 namespace {
 
 using localization::LocalizationState;
+using test::holds;
 using test::TemporaryFolder;
 
 const GeodeticDatum kKarlsruhe{49.0, 8.4, 110.0};
@@ -55,30 +58,15 @@ std::vector<LocalizedScan> short_drive() {
           scan_with(LocalizationState::kBesideMap, 5'000'000'000)};
 }
 
-/// Cells of a line; a comma between quotes does not end one.
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  bool is_quoted = false;
-  for (const char c : line) {
-    if (c == '"') is_quoted = !is_quoted;
-    if (c == ',' && !is_quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
-
 /// The rows of a table by the names of its columns.
 std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) {
   std::istringstream lines(csv);
   std::string line;
   std::getline(lines, line);
-  const std::vector<std::string> names = cells_of(line);
+  const std::vector<std::string> names = csv_cells(line);
   std::vector<std::map<std::string, std::string>> rows;
   while (std::getline(lines, line)) {
-    const std::vector<std::string> cells = cells_of(line);
+    const std::vector<std::string> cells = csv_cells(line);
     EXPECT_EQ(cells.size(), names.size()) << line;
     rows.emplace_back();
     for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i) {
@@ -95,7 +83,7 @@ TEST(LocalizationCsv, HasARowForEachScanWithAllDigitsOfItsStamp) {
   EXPECT_EQ(rows[1].at("stamp"), "3.000000001");
   EXPECT_EQ(rows[1].at("state"), "following");
   EXPECT_EQ(rows[3].at("state"), "beside_map");
-  EXPECT_EQ(rows[1].at("reason"), "\"the map shows it, all of it\"");
+  EXPECT_EQ(rows[1].at("reason"), "the map shows it, all of it");
   EXPECT_EQ(rows[1].count("latitude_deg"), 0U);
   EXPECT_EQ(rows[0].at("path"), "1.0000");
   EXPECT_EQ(rows[0].at("segment"), "2");
@@ -212,17 +200,15 @@ TEST(LocalizationFigures, CountStatesAndSayWhenThePlaceWasFound) {
   EXPECT_NEAR(figures["milliseconds"]["searching"]["mean"], 2.5, 1e-9);  // of two scans
   EXPECT_NEAR(figures["milliseconds"]["following"]["mean"], 2.0, 1e-9);
   const std::string text = localization_text(figures);
-  EXPECT_NE(text.find("found after 2.0 s and 3.0 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("50.0 % followed, 25.0 % outside the map, 0.0 % lost, 25.0 % searching"),
-            std::string::npos)
-      << text;
+  EXPECT_TRUE(holds(text, "found after 2.0 s and 3.0 m"));
+  EXPECT_TRUE(holds(text, "50.0 % followed, 25.0 % outside the map, 0.0 % lost, 25.0 % searching"));
 }
 
 TEST(LocalizationFigures, SayNothingOfAPlaceThatWasNotFound) {
   const json::Json figures =
       localization_figures({scan_with(LocalizationState::kSearching, 1'000'000'000)});
   EXPECT_TRUE(figures["found_after"].is_null());
-  EXPECT_EQ(localization_text(figures).find("found after"), std::string::npos);
+  EXPECT_FALSE(holds(localization_text(figures), "found after"));
 }
 
 }  // namespace

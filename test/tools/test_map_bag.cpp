@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 
 #include <nav_msgs/Odometry.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
 #include "mapped_drive.hpp"
+#include "rewritten_bag.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using session::Session;
 using test::content_of;
-using test::Program;
-using test::TemporaryFolder;
+using test::holds;
 using test::Words;
 
 /// Short drives through the command itself.
@@ -26,51 +24,44 @@ TEST_F(MapBag, MakesASessionAndItsMap) {
                            "map/map.yaml", "graph.g2o", "key_frames/000000.pcd", "doubt.csv"}) {
     EXPECT_TRUE(fs::exists(whole() / name)) << name;
   }
-  EXPECT_GT(Session::open(whole(), Session::Access::kRead).key_frame_count(), 10U);
+  EXPECT_GT(key_frames_in(whole()), 10U);
 }
 
 TEST_F(MapBag, MapsBagsWithoutTransformsAndStamps) {
-  const TemporaryFolder folder;
-  const std::string bag = folder.path() / "plain.bag";
-  ASSERT_EQ(Program("simulate_drive",
-                    {bag, "--lidar", "vlp16", "--duration", "8", "--fault", "no_transforms",
-                     "--fault", "no_stamps"},
-                    root() / "log")
-                .wait(),
-            0)
-      << said();
-  const std::string session = folder.path() / "session";
-  EXPECT_EQ(Program("map_bag", {bag, "-o", session, "--no-map"}, root() / "log").wait(), 0);
-  EXPECT_TRUE(has_said("the recording has no transform from 'velo_link' to 'base_link'")) << said();
+  const std::string bag = folder_.path() / "plain.bag";
+  ASSERT_EQ(run("simulate_drive", {bag, "--lidar", "vlp16", "--duration", "8", "--fault",
+                                   "no_transforms", "--fault", "no_stamps"}),
+            0);
+  const std::string session = folder_.path() / "session";
+  EXPECT_EQ(run("map_bag", {bag, "-o", session, "--no-map"}), 0);
+  EXPECT_TRUE(has_said("the recording has no transform from 'velo_link' to 'base_link'"));
   EXPECT_TRUE(has_said("map_bag takes the times of their recording"));
-  EXPECT_GT(Session::open(session, Session::Access::kRead).key_frame_count(), 2U);
+  EXPECT_GT(key_frames_in(session), 2U);
 }
 
 TEST_F(MapBag, LeavesAFolderAloneThatIsNotEmpty) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.path() / "diary.txt") << "mine";
-  EXPECT_EQ(map({"-o", folder.path().string()}), 1);
-  EXPECT_TRUE(has_said("is not empty")) << said();
+  std::ofstream(folder_.path() / "diary.txt") << "mine";
+  EXPECT_EQ(map({"-o", folder_.path()}), 1);
+  EXPECT_TRUE(has_said("is not empty"));
   EXPECT_TRUE(has_said("--resume"));
-  EXPECT_EQ(files_in(folder.path()), 1U);
+  EXPECT_EQ(files_in(folder_.path()), 1U);
 }
 
 TEST_F(MapBag, ReadsFoldersOfKittiAndKittiToBagWritesThem) {
-  const TemporaryFolder parent;
-  const fs::path odometry = parent.path() / "odometry";
-  const fs::path raw = parent.path() / "raw";
+  const fs::path odometry = folder_.path() / "odometry";
+  const fs::path raw = folder_.path() / "raw";
   ASSERT_EQ(run("simulate_drive", {"--kitti", odometry, "--lidar", "vlp16", "--duration", "4"}), 0);
-  EXPECT_EQ(run("map_bag", {odometry, "-o", parent.path() / "a", "--no-map"}), 0) << said();
+  EXPECT_EQ(run("map_bag", {odometry, "-o", folder_.path() / "a", "--no-map"}), 0);
   fs::create_directories(raw / "velodyne_points");
   fs::rename(odometry / "velodyne", raw / "velodyne_points" / "data");
   std::ofstream dates(raw / "velodyne_points" / "timestamps.txt");
   for (int i = 0; i < 60; ++i) dates << "2011-09-26 13:02:2" << i / 10 << "." << i % 10 << "\n";
   dates.close();
-  const fs::path written = parent.path() / "raw.bag";
-  ASSERT_EQ(run("kitti_to_bag", {raw, written}), 0) << said();
+  const fs::path written = folder_.path() / "raw.bag";
+  ASSERT_EQ(run("kitti_to_bag", {raw, written}), 0);
   const auto count = [&](const std::string& input, const std::string& output) {
-    EXPECT_EQ(run("map_bag", {input, "-o", parent.path() / output, "--no-map"}), 0) << said();
-    return Session::open(parent.path() / output, Session::Access::kRead).scans().size();
+    EXPECT_EQ(run("map_bag", {input, "-o", folder_.path() / output, "--no-map"}), 0);
+    return opened(folder_.path() / output).scans().size();
   };
   const std::size_t scans = files_in(raw / "velodyne_points" / "data");
   EXPECT_GT(scans, 20U);
@@ -87,75 +78,62 @@ TEST_F(MapBag, MapsWhatIsNotDamaged) {
     file << std::string(20'000, '\xFF');
   }
   file.close();
-  Program program("map_bag", {damaged.string(), "-o", (root() / "rest").string(), "--no-map"},
-                  root() / "log");
-  ASSERT_EQ(program.wait(), 0) << said();
-  EXPECT_TRUE(has_said("is left out")) << said();
-  const auto key_frames = [](const fs::path& folder) {
-    return Session::open(folder, Session::Access::kRead).key_frame_count();
-  };
-  EXPECT_GE(key_frames(root() / "rest") + 4, key_frames(whole()));
+  ASSERT_EQ(run("map_bag", {damaged, "-o", root() / "rest", "--no-map"}), 0);
+  EXPECT_TRUE(has_said("is left out"));
+  EXPECT_GE(key_frames_in(root() / "rest") + 4, key_frames_in(whole()));
 }
 
 TEST_F(MapBag, SaysWhichTopicIsMissing) {
-  const TemporaryFolder parent;
-  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--points", "/no/such"}), 1);
-  EXPECT_TRUE(has_said("/no/such")) << said();
-  EXPECT_FALSE(fs::exists(parent.path() / "s"));
+  EXPECT_EQ(map({"-o", folder_.path() / "s", "--points", "/no/such"}), 1);
+  EXPECT_TRUE(has_said("/no/such"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "s"));
 }
 
 TEST_F(MapBag, TakesTheNameOfASensorAndListsThemWhereItIsUnknown) {
-  const TemporaryFolder parent;
-  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--sensor", "vlp61"}), 1);
-  EXPECT_TRUE(has_said("vlp61")) << said();
+  EXPECT_EQ(map({"-o", folder_.path() / "s", "--sensor", "vlp61"}), 1);
+  EXPECT_TRUE(has_said("vlp61"));
   for (const auto& sensor : fs::directory_iterator("../config/sensors")) {
-    EXPECT_TRUE(has_said(sensor.path().stem().string())) << sensor.path() << said();
+    EXPECT_TRUE(has_said(sensor.path().stem()));
   }
-  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--sensor", "vlp16", "--no-map"}), 0)
-      << said();
+  EXPECT_EQ(map({"-o", folder_.path() / "s", "--sensor", "vlp16", "--no-map"}), 0);
 }
 
 TEST_F(MapBag, MapsThePartThatIsWanted) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "part";
-  ASSERT_EQ(map({"-o", folder, "--start", "4", "--duration", "6", "--no-map"}), 0) << said();
-  const auto all = Session::open(whole(), Session::Access::kRead).scans();
-  const auto scans = Session::open(folder, Session::Access::kRead).scans();
+  const fs::path folder = folder_.path() / "part";
+  ASSERT_EQ(map({"-o", folder, "--start", "4", "--duration", "6", "--no-map"}), 0);
+  const auto all = opened(whole()).scans();
+  const auto scans = opened(folder).scans();
   const double after = to_seconds(scans.front().stamp - all.front().stamp);
   EXPECT_NEAR(after, 4.0, 0.5);
   EXPECT_NEAR(to_seconds(scans.back().stamp - scans.front().stamp), 6.0, 0.5);
-  EXPECT_EQ(map({"-o", parent.path() / "none", "--start", "400"}), 1);
-  EXPECT_TRUE(has_said("--start 400")) << said();
+  EXPECT_EQ(map({"-o", folder_.path() / "none", "--start", "400"}), 1);
+  EXPECT_TRUE(has_said("--start 400"));
 }
 
 TEST_F(MapBag, TakesSingleParameters) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "s";
+  const fs::path folder = folder_.path() / "s";
   ASSERT_EQ(
       map({"-o", folder, "--no-map", "--duration", "3", "--parameter", "back_end/use_gnss: false",
            "--parameter", "front_end: {key_frame_distance: 3, registration_method: NDT_OMP}",
            "--parameter", "loop_closing/registration_method: FAST_GICP"}),
-      0)
-      << said();
-  EXPECT_TRUE(has_said("odometry: registration_method NDT_OMP is hdl_graph_slam's")) << said();
-  EXPECT_TRUE(has_said("loops: registration_method FAST_GICP is hdl_graph_slam's")) << said();
+      0);
+  EXPECT_TRUE(has_said("odometry: registration_method NDT_OMP is hdl_graph_slam's"));
+  EXPECT_TRUE(has_said("loops: registration_method FAST_GICP is hdl_graph_slam's"));
   const std::string in_force = content_of(folder / "config.yaml");
-  EXPECT_NE(in_force.find("use_gnss: false"), std::string::npos);
-  EXPECT_NE(in_force.find("key_frame_distance: 3"), std::string::npos);
+  EXPECT_TRUE(holds(in_force, "use_gnss: false"));
+  EXPECT_TRUE(holds(in_force, "key_frame_distance: 3"));
 }
 
 TEST_F(MapBag, TakesAFolderOfBags) {
-  const TemporaryFolder parent;
-  fs::create_directory(parent.path() / "bags");
-  fs::create_hard_link(bag(), parent.path() / "bags" / "drive_0.bag");
-  std::ofstream(parent.path() / "bags" / "notes.txt") << "a fine day";
-  const fs::path folder = parent.path() / "s";
-  EXPECT_EQ(run("map_bag", {parent.path() / "bags", "-o", folder, "--no-map", "--duration", "3"}),
-            0)
-      << said();
+  fs::create_directory(folder_.path() / "bags");
+  fs::create_hard_link(bag(), folder_.path() / "bags" / "drive_0.bag");
+  std::ofstream(folder_.path() / "bags" / "notes.txt") << "a fine day";
+  const fs::path folder = folder_.path() / "s";
+  EXPECT_EQ(run("map_bag", {folder_.path() / "bags", "-o", folder, "--no-map", "--duration", "3"}),
+            0);
   EXPECT_GT(key_frames_in(folder), 0U);
-  EXPECT_LE(run("check_bag", {parent.path() / "bags"}), 1) << said();  // 2: it cannot be read
-  EXPECT_TRUE(has_said("/kitti/velo/pointcloud")) << said();
+  EXPECT_LE(run("check_bag", {folder_.path() / "bags"}), 1);  // 2: it cannot be read
+  EXPECT_TRUE(has_said("/kitti/velo/pointcloud"));
 }
 
 /// A simulated tunnel with the time around it, by the LiDAR alone but for a measured velocity.
@@ -166,93 +144,75 @@ class MapBagInATunnel : public MapBag {
     if (!fs::exists(bag)) {
       EXPECT_EQ(run("simulate_drive", {bag, "--drive", "tunnel", "--lidar", "vlp16", "--start", "8",
                                        "--duration", "48", "--no-imu", "--no-gnss"}),
-                0)
-          << said();
+                0);
     }
     return bag;
   }
-  static int map_tunnel(const fs::path& session, const Words& more) {
+  static test::Ending map_tunnel(const fs::path& session, const Words& more) {
     return map_tunnel(tunnel(), session, more);
   }
-  static int map_tunnel(const fs::path& bag, const fs::path& session, const Words& more) {
-    Words words = {bag, "-o", session, "--no-map"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run("map_bag", words);
+  static test::Ending map_tunnel(const fs::path& bag, const fs::path& session, const Words& more) {
+    return run("map_bag", joined({bag, "-o", session, "--no-map"}, more));
   }
 };
 
 /// The same recording, in which a wheel odometry in tf stands for the topic of the velocity.
 void write_with_wheels(const fs::path& from, const fs::path& to) {
-  rosbag::Bag source(from.string(), rosbag::bagmode::Read);
-  rosbag::Bag target(to.string(), rosbag::bagmode::Write);
-  for (const rosbag::MessageInstance& message : rosbag::View(source)) {
-    if (message.getTopic() == "/kitti/oxts/gps/vel") continue;
-    if (const auto truth = message.instantiate<nav_msgs::Odometry>()) {
-      tf2_msgs::TFMessage wheels;
-      wheels.transforms.resize(1);
-      geometry_msgs::TransformStamped& transform = wheels.transforms[0];
-      transform.header = truth->header;
-      transform.header.frame_id = "wheels";
-      transform.child_frame_id = "base_link";
-      transform.transform.translation.x = truth->pose.pose.position.x;
-      transform.transform.translation.y = truth->pose.pose.position.y;
-      transform.transform.translation.z = truth->pose.pose.position.z;
-      transform.transform.rotation = truth->pose.pose.orientation;
-      target.write("/tf", message.getTime(), wheels);
-    } else {
-      target.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
-    }
-  }
+  test::rewrite_bag(from, to, [](rosbag::Bag& target, const rosbag::MessageInstance& message) {
+    if (message.getTopic() == "/kitti/oxts/gps/vel") return true;
+    const auto truth = message.instantiate<nav_msgs::Odometry>();
+    if (!truth) return false;
+    tf2_msgs::TFMessage wheels;
+    wheels.transforms = {ros_border::stamped_transform(ros_border::from_message(truth->pose.pose),
+                                                       ros_border::from_ros(truth->header.stamp),
+                                                       "wheels", "base_link")};
+    target.write("/tf", message.getTime(), wheels);
+    return true;
+  });
 }
 
 TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
-  const TemporaryFolder parent;
-  const fs::path session = parent.path() / "s";
+  const fs::path session = folder_.path() / "s";
   const Words alone = {"--parameter", "preprocessing/use_velocity: false"};
-  EXPECT_EQ(map_tunnel(session, alone), 4) << said();
-  EXPECT_TRUE(has_said("Do not trust this map between")) << said();
-  EXPECT_NE(content_of(session / "doubt.csv").find("\ndegenerate,"), std::string::npos);
+  EXPECT_EQ(map_tunnel(session, alone), 4);
+  EXPECT_TRUE(has_said("Do not trust this map between"));
+  EXPECT_TRUE(holds(content_of(session / "doubt.csv"), "\ndegenerate,"));
   // Neither a second look at a session that is complete nor its report is kinder.
   Words again = alone;
   again.emplace_back("--resume");
-  EXPECT_EQ(map_tunnel(session, again), 4) << said();
+  EXPECT_EQ(map_tunnel(session, again), 4);
   again.emplace_back("--allow-doubt");
-  EXPECT_EQ(map_tunnel(session, again), 0) << said();
-  EXPECT_TRUE(has_said("Do not trust this map between")) << said();
-  EXPECT_EQ(run("map_quality", {session, "--report"}), 0) << said();
-  EXPECT_TRUE(has_said("Do not trust this map between")) << said();
-  EXPECT_TRUE(has_said("Motion observed")) << said();
-  EXPECT_FALSE(has_said("Good: ")) << said();
-  EXPECT_NE(content_of(session / "report.html").find("Do not trust this map between"),
-            std::string::npos);
+  EXPECT_EQ(map_tunnel(session, again), 0);
+  EXPECT_TRUE(has_said("Do not trust this map between"));
+  EXPECT_EQ(run("map_quality", {session, "--report"}), 0);
+  EXPECT_TRUE(has_said("Do not trust this map between"));
+  EXPECT_TRUE(has_said("Motion observed"));
+  EXPECT_FALSE(has_said("Good: "));
+  EXPECT_TRUE(holds(content_of(session / "report.html"), "Do not trust this map between"));
 }
 
 TEST_F(MapBagInATunnel, TrustsAMapWhoseSpeedWasMeasured) {
-  const TemporaryFolder parent;
-  EXPECT_EQ(map_tunnel(parent.path() / "s", {}), 0) << said();
-  EXPECT_FALSE(has_said("Do not trust")) << said();
+  EXPECT_EQ(map_tunnel(folder_.path() / "s", {}), 0);
+  EXPECT_FALSE(has_said("Do not trust"));
 }
 
 TEST_F(MapBagInATunnel, TakesTheSpeedFromAWheelOdometryInTf) {
-  const TemporaryFolder parent;
-  const fs::path bag = parent.path() / "wheels.bag";
+  const fs::path bag = folder_.path() / "wheels.bag";
   write_with_wheels(tunnel(), bag);
-  EXPECT_EQ(map_tunnel(bag, parent.path() / "without", {}), 4) << said();
-  EXPECT_EQ(map_tunnel(bag, parent.path() / "with",
+  EXPECT_EQ(map_tunnel(bag, folder_.path() / "without", {}), 4);
+  EXPECT_EQ(map_tunnel(bag, folder_.path() / "with",
                        {"--parameter",
                         "preprocessing: {enable_robot_odometry_init_guess: true, "
                         "robot_odom_frame_id: wheels}"}),
-            0)
-      << said();
+            0);
 }
 
 // A shell would end the first word at the quote, and the next at the space.
 TEST_F(MapBag, ReportsInFoldersOfAnyName) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "Rock 'n' Roll $HOME";
-  EXPECT_EQ(map({"-o", folder, "--no-map", "--duration", "4", "--report"}), 0) << said();
+  const fs::path folder = folder_.path() / "Rock 'n' Roll $HOME";
+  EXPECT_EQ(map({"-o", folder, "--no-map", "--duration", "4", "--report"}), 0);
   EXPECT_TRUE(fs::exists(folder / "report.html")) << said();
-  EXPECT_NE(content_of(folder / "report.html").find("drive.bag"), std::string::npos);
+  EXPECT_TRUE(holds(content_of(folder / "report.html"), "drive.bag"));
 }
 
 }  // namespace

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the commands say to what cannot work: never an abort, always what is wrong and with what.
-#include <gtest/gtest.h>
-
-#include "program.hpp"
-#include "temporary_folder.hpp"
+#include "commands.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
-using test::Program;
-using test::TemporaryFolder;
+using test::holds;
 using test::Words;
 
 struct Mistake {
@@ -18,7 +14,7 @@ struct Mistake {
   std::string answer;  ///< a part of it
 };
 
-class Mistakes : public testing::TestWithParam<Mistake> {
+class Mistakes : public test::Commands, public testing::WithParamInterface<Mistake> {
  protected:
   std::string filled_in(const std::string& word) const {
     if (word == "FOLDER") return folder_.path() / "empty";
@@ -30,18 +26,15 @@ class Mistakes : public testing::TestWithParam<Mistake> {
     std::ofstream(folder_.path() / "file") << "word\n";
     std::ofstream(folder_.path() / "overlay.yaml") << "frontend: {max_speed: 3}\n";
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_P(Mistakes, AreAnswered) {
   Words words;
   for (const std::string& word : GetParam().words) words.push_back(filled_in(word));
-  Program program(GetParam().program, words, folder_.path() / "said");
-  const int status = program.wait();
-  EXPECT_GE(status, 1) << program.output();
-  EXPECT_LT(status, 128) << program.output();  // 128 and more: ended by a signal
-  EXPECT_NE(program.output().find(GetParam().answer), std::string::npos) << program.output();
+  const int status = run(GetParam().program, words).status;
+  EXPECT_GE(status, 1);
+  EXPECT_LT(status, 128);  // 128 and more: ended by a signal
+  EXPECT_TRUE(has_said(GetParam().answer));
 }
 
 const Mistake kMistakes[] = {
@@ -105,25 +98,17 @@ const Mistake kMistakes[] = {
 INSTANTIATE_TEST_SUITE_P(Commands, Mistakes, testing::ValuesIn(kMistakes));
 
 TEST_F(Mistakes, LeaveFilesAsTheyWere) {
-  Program program("simulate_drive", {filled_in("FILE"), "--duration", "2"},
-                  folder_.path() / "said");
-  EXPECT_EQ(program.wait(), 1);
-  std::ifstream file(filled_in("FILE"));
-  std::string word;
-  file >> word;
-  EXPECT_EQ(word, "word");
+  EXPECT_EQ(run("simulate_drive", {filled_in("FILE"), "--duration", "2"}), 1);
+  EXPECT_EQ(test::content_of(filled_in("FILE")), "word\n");
 }
 
 TEST_F(Mistakes, InADumpLeaveNoFolder) {
   for (const char* graph : {"", "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"}) {
     std::ofstream(folder_.path() / "empty" / "graph.g2o") << graph;
-    Program program("hdl_dump",
-                    {"import", filled_in("FOLDER"), "-o", folder_.path() / "new session"},
-                    folder_.path() / "said");
-    EXPECT_EQ(program.wait(), 1) << program.output();
+    EXPECT_EQ(
+        run("hdl_dump", {"import", filled_in("FOLDER"), "-o", folder_.path() / "new session"}), 1);
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
-      EXPECT_EQ(entry.path().filename().string().find("new session"), std::string::npos)
-          << entry.path();
+      EXPECT_FALSE(holds(entry.path().filename().string(), "new session")) << entry.path();
     }
   }
 }
@@ -132,22 +117,17 @@ TEST_F(Mistakes, LeaveNoScanToTheBenchmark) {
   const std::filesystem::path scans = folder_.path() / "empty/velodyne";
   std::filesystem::create_directory(scans);
   std::ofstream(scans / "000000.bin") << std::string(16, '\0');
-  Program program("odometry_benchmark",
-                  {filled_in("FOLDER"), "--first", "1", "--truth", filled_in("FILE")},
-                  folder_.path() / "said");
-  EXPECT_EQ(program.wait(), 1);
-  EXPECT_NE(program.output().find("--first 1 leaves none of the 1 scans"), std::string::npos)
-      << program.output();
+  EXPECT_EQ(run("odometry_benchmark",
+                {filled_in("FOLDER"), "--first", "1", "--truth", filled_in("FILE")}),
+            1);
+  EXPECT_TRUE(has_said("--first 1 leaves none of the 1 scans"));
 }
 
 TEST_F(Mistakes, InAnOverlayAreNoticed) {
-  Program program(
-      "map_bag",
-      {filled_in("FILE"), "-o", filled_in("FOLDER"), "--sensor", folder_.path() / "overlay.yaml"},
-      folder_.path() / "said");
-  EXPECT_EQ(program.wait(), 1);
-  EXPECT_NE(program.output().find("no stage has the name 'frontend'"), std::string::npos)
-      << program.output();
+  EXPECT_EQ(run("map_bag", {filled_in("FILE"), "-o", filled_in("FOLDER"), "--sensor",
+                            folder_.path() / "overlay.yaml"}),
+            1);
+  EXPECT_TRUE(has_said("no stage has the name 'frontend'"));
 }
 
 }  // namespace

@@ -38,10 +38,10 @@ using Milliseconds = std::vector<Stamp>;
 
 /// Begin, end and limit of a part of a minute, since its begin; -1 for no limit.
 Milliseconds part(double start, double duration) {
-  const RecordingPart chosen(Recording(60), start, duration);
+  const RecordingPart chosen = chosen_part(Recording(60), start, duration);
   const auto after = [](Stamp stamp) { return (stamp - kBegin) / 1'000'000; };
-  const bool is_limited = chosen.limit() != kNever;
-  return {after(chosen.begin()), after(chosen.end()), is_limited ? after(chosen.limit()) : -1};
+  const bool is_limited = chosen.limit != kNever;
+  return {after(chosen.begin), after(chosen.end), is_limited ? after(chosen.limit) : -1};
 }
 
 TEST(RecordingPart, IsTheWholeOneWithoutAChoice) {
@@ -72,8 +72,8 @@ TEST(RecordingPart, SaysHowLongTheRecordingIs) {
     EXPECT_NE(text.find("--start 6"), std::string::npos) << text;
     EXPECT_NE(text.find("lasts 60.0"), std::string::npos) << text;
   }
-  EXPECT_THROW(RecordingPart(Recording(0), 0.1, 0.0), InputError);
-  EXPECT_NO_THROW(RecordingPart(Recording(0), 0.0, 1.0)) << "that it is empty is said elsewhere";
+  EXPECT_THROW(chosen_part(Recording(0), 0.1, 0.0), InputError);
+  EXPECT_NO_THROW(chosen_part(Recording(0), 0.0, 1.0)) << "that it is empty is said elsewhere";
 }
 
 pipeline::Input scan_at(double seconds) {

@@ -28,15 +28,14 @@ class Resume : public test::MappedDrive {
     return program.wait() == 128 + SIGKILL;
   }
   /// Maps some seconds of the drive.
-  static fs::path broken_off(const TemporaryFolder& parent) {
-    const fs::path folder = parent.path() / "session";
-    EXPECT_EQ(map({"-o", folder, "--duration", "6", "--formats", "pcd"}), 0) << said();
-    EXPECT_GT(key_frames_in(folder), 0U);
-    EXPECT_LT(key_frames_in(folder), key_frames_in(whole()));
-    return folder;
+  void break_off() const {
+    EXPECT_EQ(map({"-o", session_, "--duration", "6", "--formats", "pcd"}), 0);
+    EXPECT_GT(key_frames_in(session_), 0U);
+    EXPECT_LT(key_frames_in(session_), key_frames_in(whole()));
   }
-  /// All that the undisturbed run left is in the folder, byte for byte, and nothing half done.
-  static void expect_same_bytes(const fs::path& folder) {
+  /// All that the undisturbed run left is in the folder then, byte for byte, and nothing half done.
+  static void expect_same_bytes_after_resuming(const fs::path& folder) {
+    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0);
     for (const auto& entry : fs::recursive_directory_iterator(whole())) {
       const fs::path name = fs::relative(entry.path(), whole());
       // What readers share is no content.
@@ -54,9 +53,7 @@ class Resume : public test::MappedDrive {
   }
   /// The largest distance between key frames of two sessions with the same stamps.
   static double difference_to_whole(const fs::path& folder) {
-    const auto poses_in = [](const fs::path& path) {
-      return Session::open(path, Session::Access::kRead).poses().poses;
-    };
+    const auto poses_in = [](const fs::path& path) { return opened(path).poses().poses; };
     const auto expected = poses_in(whole());
     const auto poses = poses_in(folder);
     if (poses.size() != expected.size() || poses.empty()) return 1e9;
@@ -69,6 +66,8 @@ class Resume : public test::MappedDrive {
     }
     return largest;
   }
+
+  const fs::path session_ = folder_.path() / "session";
 };
 
 // The moments are spread over a whole run, the writing of the map included; the variable KILLS
@@ -87,124 +86,105 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAKillAtAnyMoment) {
       if (!fs::exists(folder / "map" / file)) continue;
       EXPECT_EQ(content_of(folder / "map" / file), content_of(whole() / "map" / file)) << file;
     }
-    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-    expect_same_bytes(folder);
+    expect_same_bytes_after_resuming(folder);
   }
 }
 
 TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAStop) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "session";
-  Program program("map_bag", with_bag({"-o", folder, "--formats", "pcd"}), root() / "log");
-  wait_for_key_frames(program, folder, 5);
+  Program program("map_bag", with_bag({"-o", session_, "--formats", "pcd"}), root() / "log");
+  wait_for_key_frames(program, session_, 5);
   program.kill(SIGINT);
   EXPECT_EQ(program.wait(), 3) << said();
-  EXPECT_TRUE(fs::exists(folder / "map" / "map.pcd"));
-  EXPECT_TRUE(fs::exists(folder / "trajectory" / "optimized.tum"));
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  expect_same_bytes(folder);
+  EXPECT_TRUE(fs::exists(session_ / "map" / "map.pcd"));
+  EXPECT_TRUE(fs::exists(session_ / "trajectory" / "optimized.tum"));
+  expect_same_bytes_after_resuming(session_);
 }
 
 TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAPart) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  EXPECT_TRUE(has_said("key frames; they are mapped again")) << said();
-  expect_same_bytes(folder);
+  break_off();
+  expect_same_bytes_after_resuming(session_);
+  EXPECT_TRUE(has_said("key frames; they are mapped again"));
 }
 
 // The old session stays until the new one has come at least as far.
 TEST_F(Resume, TakesNothingAwayIfItIsBrokenOffToo) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
-  const std::string before = content_of(folder / "trajectory" / "optimized.tum");
-  Program program("map_bag", with_bag({"-o", folder, "--resume"}), root() / "log");
-  wait_for_key_frames(program, folder / ".resumed", 2);
+  break_off();
+  const std::string before = content_of(session_ / "trajectory" / "optimized.tum");
+  Program program("map_bag", with_bag({"-o", session_, "--resume"}), root() / "log");
+  wait_for_key_frames(program, session_ / ".resumed", 2);
   program.kill(SIGKILL);
   program.wait();
-  EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
-  ASSERT_EQ(map({"-o", folder, "--resume", "--duration", "2", "--no-map"}), 0) << said();
-  EXPECT_TRUE(has_said("is not changed")) << said();
-  EXPECT_EQ(content_of(folder / "trajectory" / "optimized.tum"), before);
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  expect_same_bytes(folder);
+  EXPECT_EQ(content_of(session_ / "trajectory" / "optimized.tum"), before);
+  ASSERT_EQ(map({"-o", session_, "--resume", "--duration", "2", "--no-map"}), 0);
+  EXPECT_TRUE(has_said("is not changed"));
+  EXPECT_EQ(content_of(session_ / "trajectory" / "optimized.tum"), before);
+  expect_same_bytes_after_resuming(session_);
 }
 
 TEST_F(Resume, MakesTheMapAloneOfASessionThatIsComplete) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "session";
-  fs::copy(whole(), folder, fs::copy_options::recursive);
-  fs::remove_all(folder / "map");
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  EXPECT_TRUE(has_said("all of the recording is mapped")) << said();
-  EXPECT_FALSE(has_said("times real time")) << said();
-  expect_same_bytes(folder);
+  fs::copy(whole(), session_, fs::copy_options::recursive);
+  fs::remove_all(session_ / "map");
+  expect_same_bytes_after_resuming(session_);
+  EXPECT_TRUE(has_said("all of the recording is mapped"));
+  EXPECT_FALSE(has_said("times real time"));
 }
 
 TEST_F(Resume, QuicklyGoesOnNearTheEnd) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
-  EXPECT_EQ(map({"-o", folder, "--quick-resume", "--no-map"}), 0) << said();
-  EXPECT_LT(difference_to_whole(folder), 0.02);
+  break_off();
+  EXPECT_EQ(map({"-o", session_, "--quick-resume", "--no-map"}), 0);
+  EXPECT_LT(difference_to_whole(session_), 0.02);
 }
 
 // A kill as run.json was written left a folder that was neither new nor a session.
 TEST_F(Resume, BeginsWhereNothingButTheBeginningOfAFileIs) {
-  const TemporaryFolder parent;
-  const fs::path folder = parent.path() / "session";
-  fs::create_directories(folder);
-  std::ofstream(folder / ".run.json.part") << "{";
-  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  expect_same_bytes(folder);
+  fs::create_directories(session_);
+  std::ofstream(session_ / ".run.json.part") << "{";
+  expect_same_bytes_after_resuming(session_);
 }
 
 TEST_F(Resume, RefusesAnotherRecording) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
-  const std::string before = content_of(folder / "session.db");
-  const std::string other = parent.path() / "other.bag";
+  break_off();
+  const std::string before = content_of(session_ / "session.db");
+  const std::string other = folder_.path() / "other.bag";
   ASSERT_EQ(run("simulate_drive", {other, "--lidar", "vlp16", "--duration", "3", "--seed", "2"}),
             0);
   for (const char* how : {"--resume", "--quick-resume"}) {
-    EXPECT_EQ(run("map_bag", {other, "-o", folder, how}), 1) << said();
-    EXPECT_TRUE(has_said("is of another recording: it was made from drive.bag")) << said();
+    EXPECT_EQ(run("map_bag", {other, "-o", session_, how}), 1);
+    EXPECT_TRUE(has_said("is of another recording: it was made from drive.bag"));
   }
-  EXPECT_EQ(map({"-o", folder, "--resume", "--parameter", "back_end/use_gnss: false"}), 1);
-  EXPECT_TRUE(has_said("other parameters: back_end had 'use_gnss: true'")) << said();
-  EXPECT_EQ(map({"-o", folder, "--resume", "--start", "1"}), 1);
-  EXPECT_TRUE(has_said("--start")) << said();
-  EXPECT_EQ(content_of(folder / "session.db"), before);
+  EXPECT_EQ(map({"-o", session_, "--resume", "--parameter", "back_end/use_gnss: false"}), 1);
+  EXPECT_TRUE(has_said("other parameters: back_end had 'use_gnss: true'"));
+  EXPECT_EQ(map({"-o", session_, "--resume", "--start", "1"}), 1);
+  EXPECT_TRUE(has_said("--start"));
+  EXPECT_EQ(content_of(session_ / "session.db"), before);
 }
 
 TEST_F(Resume, FindsTheRecordingInAnotherFolder) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
-  const std::string moved = parent.path() / "renamed.bag";
+  break_off();
+  const std::string moved = folder_.path() / "renamed.bag";
   fs::create_hard_link(bag(), moved);
-  EXPECT_EQ(run("map_bag", {moved, "-o", folder, "--resume", "--no-map"}), 0) << said();
-  EXPECT_EQ(key_frames_in(folder), key_frames_in(whole()));
+  EXPECT_EQ(run("map_bag", {moved, "-o", session_, "--resume", "--no-map"}), 0);
+  EXPECT_EQ(key_frames_in(session_), key_frames_in(whole()));
 }
 
 TEST_F(Resume, RefusesASessionOfUnknownOrigin) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
-  fs::remove(folder / "run.json");
-  EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
-  EXPECT_TRUE(has_said("which recording")) << said();
+  break_off();
+  fs::remove(session_ / "run.json");
+  EXPECT_EQ(map({"-o", session_, "--resume"}), 1);
+  EXPECT_TRUE(has_said("which recording"));
 }
 
 TEST_F(Resume, KeepsWhatAPersonDecided) {
-  const TemporaryFolder parent;
-  const fs::path folder = broken_off(parent);
+  break_off();
   {
-    Session session = Session::open(folder, Session::Access::kWrite);
+    Session session = Session::open(session_, Session::Access::kWrite);
     Loop loop;
     loop.to = 2;
     session.add_loop(loop);
     session.set_loop_decision(0, 2, LoopDecision::kRefuse);
   }
-  EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
-  EXPECT_TRUE(has_said("a user has decided about loops")) << said();
+  EXPECT_EQ(map({"-o", session_, "--resume"}), 1);
+  EXPECT_TRUE(has_said("a user has decided about loops"));
 }
 
 TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
@@ -214,16 +194,16 @@ TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
   }
   const fs::path folder = disk.path() / "session";
   EXPECT_EQ(map({"-o", folder.string(), "--no-map"}), 1);
-  EXPECT_TRUE(has_said((folder / "key_frames").string())) << said();
+  EXPECT_TRUE(has_said((folder / "key_frames").string()));
   {
-    const Session session = Session::open(folder, Session::Access::kRead);
+    const Session session = opened(folder);
     EXPECT_GT(session.key_frame_count(), 0U);
     for (const KeyFrame& key_frame : session.key_frames()) {
       EXPECT_NE(session.clouds().cloud(key_frame.index), nullptr) << key_frame.index;
     }
   }
   ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT, "size=100m"), 0);
-  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
+  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0);
   EXPECT_EQ(key_frames_in(folder), key_frames_in(whole()));
   EXPECT_LT(difference_to_whole(folder), 1e-9);
   umount(disk.path().c_str());

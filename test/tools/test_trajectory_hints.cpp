@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "comparison/trajectory_hints.hpp"
+#include "holds.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
 
 using evaluation::PosePair;
+using test::holds;
 using Pairs = std::vector<PosePair>;
 
 /// A drive whose estimate wavers by a centimetre.
@@ -36,10 +38,6 @@ Pairs with_truth(const Pose& frame, const Pose& on_vehicle) {
 const Pose kFrame{exp_so3({0.0, 0.0, 1.0}), {100.0, 0.0, 5.0}};
 const Pose kAntenna{Eigen::Quaterniond::Identity(), {1.5, 0.25, 2.0}};
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST(TrajectoryHints, AreNotGivenForAnOrdinaryError) {
   EXPECT_TRUE(trajectory_hints(drive(), {}).empty());
 }
@@ -47,26 +45,26 @@ TEST(TrajectoryHints, AreNotGivenForAnOrdinaryError) {
 TEST(TrajectoryHints, ProposeAnAlignment) {
   const auto hints = trajectory_hints(with_truth(kFrame, {}), {});
   ASSERT_EQ(hints.size(), 1U);
-  EXPECT_TRUE(has(hints[0], "with --align: the trajectories lie in different frames")) << hints[0];
+  EXPECT_TRUE(holds(hints[0], "with --align: the trajectories lie in different frames"));
 }
 
 TEST(TrajectoryHints, ProposeALeverArm) {
   const auto hints = trajectory_hints(with_truth({}, kAntenna), {});
   ASSERT_EQ(hints.size(), 1U);
-  EXPECT_TRUE(has(hints[0], "with --lever-arm 1.50 0.25 2.00: ")) << hints[0];
+  EXPECT_TRUE(holds(hints[0], "with --lever-arm 1.50 0.25 2.00: "));
 }
 
 TEST(TrajectoryHints, ProposeBoth) {
   const auto hints = trajectory_hints(with_truth(kFrame, kAntenna), {});
   ASSERT_EQ(hints.size(), 1U);
-  EXPECT_TRUE(has(hints[0], "with --align --lever-arm 1.50 0.25 2.00: ")) << hints[0];
+  EXPECT_TRUE(holds(hints[0], "with --align --lever-arm 1.50 0.25 2.00: "));
 }
 
 TEST(TrajectoryHints, ProposeOtherAxes) {
   const Pose turned{exp_so3({0.0, 0.0, 1.5707963267948966}), {0.0, 0.0, 0.0}};
   const auto hints = trajectory_hints(with_truth({}, turned), {});
   ASSERT_EQ(hints.size(), 1U);
-  EXPECT_TRUE(has(hints[0], "with --lever-rotation 0.0 0.0 90.0: ")) << hints[0];
+  EXPECT_TRUE(holds(hints[0], "with --lever-rotation 0.0 0.0 90.0: "));
 }
 
 TEST(TrajectoryHints, DoNotRepeatWhatWasApplied) {
@@ -76,7 +74,7 @@ TEST(TrajectoryHints, DoNotRepeatWhatWasApplied) {
   EXPECT_TRUE(trajectory_hints(of_antenna, {true, true, true}).empty());
   const auto hints = trajectory_hints(of_antenna, {true, false, true});
   ASSERT_EQ(hints.size(), 1U);
-  EXPECT_TRUE(has(hints[0], "--align --lever-arm")) << hints[0];
+  EXPECT_TRUE(holds(hints[0], "--align --lever-arm"));
 }
 
 /// Two centimetres are no hint, however much of the error they are.

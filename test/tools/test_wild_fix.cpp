@@ -8,7 +8,6 @@ namespace lidar_mapping::tools {
 namespace {
 
 using session::Session;
-using test::TemporaryFolder;
 
 class WildFix : public test::MappedDrive {
  protected:
@@ -33,13 +32,12 @@ class WildFix : public test::MappedDrive {
 };
 
 TEST_F(WildFix, AtTheStartIsLeftOut) {
-  const TemporaryFolder folder;
-  const std::string wild = folder.path() / "wild.bag", town = folder.path() / "town";
+  const std::string wild = folder_.path() / "wild.bag", town = folder_.path() / "town";
   copy_with_wild_fixes(wild, 1);
-  ASSERT_EQ(run("map_bag", {wild, "-o", town, "--formats", "pcd"}), 0) << said();
-  EXPECT_TRUE(has_said("the first fix is 556 km from the next ones, which agree")) << said();
-  const Session session = Session::open(town, Session::Access::kRead);
-  const Session undisturbed = Session::open(whole(), Session::Access::kRead);
+  ASSERT_EQ(run("map_bag", {wild, "-o", town, "--formats", "pcd"}), 0);
+  EXPECT_TRUE(has_said("the first fix is 556 km from the next ones, which agree"));
+  const Session session = opened(town);
+  const Session undisturbed = opened(whole());
   ASSERT_TRUE(session.datum());
   EXPECT_NEAR(session.datum()->latitude_deg, undisturbed.datum()->latitude_deg, 1e-4);
   EXPECT_GT(session.gnss().size() + 5, undisturbed.gnss().size());
@@ -48,12 +46,11 @@ TEST_F(WildFix, AtTheStartIsLeftOut) {
 
 /// Nobody knows then which ones are right; the map is made all the same.
 TEST_F(WildFix, OnesThatAgreeDoNotEndTheMap) {
-  const TemporaryFolder folder;
-  const std::string wild = folder.path() / "wild.bag", town = folder.path() / "town";
+  const std::string wild = folder_.path() / "wild.bag", town = folder_.path() / "town";
   copy_with_wild_fixes(wild, 20);
-  ASSERT_EQ(run("map_bag", {wild, "-o", town, "--formats", "pcd"}), 0) << said();
-  EXPECT_TRUE(has_said("a jump: ")) << said();
-  EXPECT_LT(farthest(Session::open(town, Session::Access::kRead)), 1000.0);
+  ASSERT_EQ(run("map_bag", {wild, "-o", town, "--formats", "pcd"}), 0);
+  EXPECT_TRUE(has_said("a jump: "));
+  EXPECT_LT(farthest(opened(town)), 1000.0);
 }
 
 }  // namespace

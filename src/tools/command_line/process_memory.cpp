@@ -16,8 +16,9 @@ namespace {
 // Number of heaps of malloc (M_ARENA_MAX), which by default has eight for each core, each with
 // freed pages of its own. Chosen: with only one, threads would wait for each other.
 constexpr int kHeaps = 2;
-// Bytes; larger blocks are returned to the system when freed. Chosen: grids and images of a few
-// megabytes are allocated for each key frame.
+// Bytes; larger blocks are returned to the system when freed. Chosen: above the grids and images of
+// some megabytes that each key frame needs; if the system had to provide them each time, this would
+// take a quarter of the processor time of build_map.
 constexpr int kOwnMapping = 8'000'000;
 // Bytes; growth of the process at which memory is returned. Measured: with 16 MB a quarter of the
 // processor time of build_map goes to page faults.
@@ -43,8 +44,6 @@ double peak_mebibytes() { return static_cast<double>(peak_bytes()) / (1024.0 * 1
 
 ReturnedMemory::ReturnedMemory() {
   mallopt(M_ARENA_MAX, kHeaps);
-  // Grids and images of a few megabytes are allocated for each key frame; if the system had to
-  // provide them each time, this would take a quarter of the processor time of build_map.
   mallopt(M_MMAP_THRESHOLD, kOwnMapping);
   mallopt(M_TRIM_THRESHOLD, kStep);
   thread_ = std::thread([this] { watch(); });

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "localization/localize_run.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <utility>
@@ -102,7 +101,7 @@ class LocalizingRun {
     recordings::OpenDrive drive =
         recordings::open_drive(options_.drive, stages_.pipeline.preprocessing);
     print(drive.lines);
-    const RecordingPart part(*drive.input, options_.start, options_.duration);
+    const RecordingPart part = chosen_part(*drive.input, options_.start, options_.duration);
     pipeline::SessionMap map(options_.map, stages_.pipeline.loop_closing, stages_.pipeline.threads);
     print({"map: " + map.size_text()});
     if (!options_.extend.empty()) {
@@ -126,8 +125,8 @@ class LocalizingRun {
     pipeline::RecordedOdometry odometry(
         stages_.pipeline, [&input](const std::string& frame) { return input.T_base(frame); },
         [&localized](pipeline::OdometryScan&& scan) { localized.add(std::move(scan)); });
-    if (part.begin() > input.begin()) input.skip_to(part.begin());
-    read_until(part.limit(), stop_requested_, input, [&](pipeline::Input&& datum) {
+    if (part.begin > input.begin()) input.skip_to(part.begin);
+    read_until(part.limit, stop_requested_, input, [&](pipeline::Input&& datum) {
       odometry.add(std::move(datum));
       print(input.take_messages());
       print(odometry.take_messages());

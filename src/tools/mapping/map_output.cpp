@@ -123,7 +123,6 @@ map::Files write_map(const Session& session, const MapOutput& output, const KeyF
   map::ProductOptions options = output.products;
   options.datum = session.datum();
   options.p_base_sensor = sensor_origin_of(output, session);
-  options.keep_moving = output.keep_moving;
   options.marks = [&] {
     return pipeline::session_marks(session, key_frame_poses(session, output));
   };

@@ -18,7 +18,6 @@ struct MapOutput {
   std::optional<double> grid_cell;   ///< m; none: as in the drive
   std::string poses;                 ///< a trajectory with stamps; empty: the session's poses
   int threads = 0;                   ///< 0: all cores
-  bool keep_moving = false;
   std::string as_of;  ///< date by ISO 8601, up to which key frames are used; empty: all
   std::vector<double> sensor_origin;  ///< empty: as the session has it
   map::ProductOptions products;

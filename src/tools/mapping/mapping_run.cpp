@@ -6,7 +6,6 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -75,8 +74,8 @@ class MappingRun {
     std::fflush(stdout);
     record_ = record_of(drive);
     output_.check(record_, stages_.texts);
-    part_.emplace(*drive.input, options_.start, options_.duration);
-    progress_ = std::make_unique<MappingProgress>(part_->begin(), part_->end());
+    part_ = chosen_part(*drive.input, options_.start, options_.duration);
+    progress_ = std::make_unique<MappingProgress>(part_.begin, part_.end);
     if (output_.is_resumed()) print_resume_state();
     if (output_.is_complete()) return output_.set_map_parameters(stages_.texts.at("map"));
     try {
@@ -131,11 +130,11 @@ class MappingRun {
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         stages_.pipeline, std::move(session),
         [&input](const std::string& frame) { return input.T_base(frame); });
-    mapped_from_ = std::max(part_->begin(), pipeline_->resume_time().value_or(part_->begin()));
+    mapped_from_ = std::max(part_.begin, pipeline_->resume_time().value_or(part_.begin));
     if (mapped_from_ > input.begin()) input.skip_to(mapped_from_);
     progress_->begin_at(mapped_from_);
     const ThreadTime reading;
-    read_until(part_->limit(), stop_requested_, input, [&](pipeline::Input&& datum) {
+    read_until(part_.limit, stop_requested_, input, [&](pipeline::Input&& datum) {
       pipeline_->add(std::move(datum));
       print_messages(input);
       progress_->show(pipeline_->progress());
@@ -172,8 +171,8 @@ class MappingRun {
       products = progress_->seconds() - mapped;
     }
     if (output_.is_complete()) return finish(0);
-    const double driven = to_seconds(
-        std::max<Stamp>(0, std::min(part_->end(), report_.progress.newest) - mapped_from_));
+    const double driven =
+        to_seconds(std::max<Stamp>(0, std::min(part_.end, report_.progress.newest) - mapped_from_));
     const auto figures = mapping_figures(report_, driven, times(mapped, products));
     std::printf("%s", to_text(figures).c_str());
     if (!options_.figures.empty()) {
@@ -218,8 +217,8 @@ class MappingRun {
   StageFiles stages_;
   SessionOutput output_;
   report::RunRecord record_;
-  std::optional<RecordingPart> part_;  ///< that is mapped
-  Stamp mapped_from_ = 0;              ///< later if a session is resumed
+  RecordingPart part_;     ///< that is mapped
+  Stamp mapped_from_ = 0;  ///< later if a session is resumed
   std::unique_ptr<MappingProgress> progress_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   pipeline::PipelineReport report_;

@@ -21,16 +21,17 @@ Stamp time_after(Stamp begin, double seconds, Stamp end) {
 
 }  // namespace
 
-RecordingPart::RecordingPart(const pipeline::InputSource& input, double start, double duration)
-    : begin_(input.begin()), end_(input.end()), limit_(std::numeric_limits<Stamp>::max()) {
-  if (start > 0.0) begin_ = time_after(input.begin(), start, input.end());
-  if (begin_ >= end_ && start > 0.0) {
+RecordingPart chosen_part(const pipeline::InputSource& input, double start, double duration) {
+  RecordingPart part{input.begin(), input.end(), std::numeric_limits<Stamp>::max()};
+  if (start > 0.0) part.begin = time_after(input.begin(), start, input.end());
+  if (part.begin >= part.end && start > 0.0) {
     throw InputError(formatted("--start %.10g: the recording lasts %f s", start,
                                to_seconds(input.end() - input.begin())));
   }
-  if (duration <= 0.0) return;
-  end_ = time_after(begin_, duration, input.end());
-  if (end_ < input.end()) limit_ = end_;
+  if (duration <= 0.0) return part;
+  part.end = time_after(part.begin, duration, input.end());
+  if (part.end < input.end()) part.limit = part.end;
+  return part;
 }
 
 void read_until(Stamp limit, const volatile std::sig_atomic_t& stop_requested,

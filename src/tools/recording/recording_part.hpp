@@ -8,22 +8,15 @@
 
 namespace lidar_mapping::tools {
 
-/// The part of a recording that --start and --duration (s; 0: to the end) choose.
-class RecordingPart {
- public:
-  /// Throws InputError if the recording ends before it.
-  RecordingPart(const pipeline::InputSource& input, double start, double duration);
-
-  Stamp begin() const { return begin_; }
-  Stamp end() const { return end_; }
-  /// Where it ends before the recording does, otherwise after any stamp.
-  Stamp limit() const { return limit_; }
-
- private:
-  Stamp begin_;
-  Stamp end_;
-  Stamp limit_;
+struct RecordingPart {
+  Stamp begin = 0;
+  Stamp end = 0;
+  Stamp limit = 0;  ///< the end where the recording goes on behind it, otherwise after any stamp
 };
+
+/// The part that --start and --duration (s; 0: to the end) choose. Throws InputError if the
+/// recording ends before it.
+RecordingPart chosen_part(const pipeline::InputSource& input, double start, double duration);
 
 /// Calls `use` for the data of a recording up to `limit`, until the recording ends or a signal
 /// handler sets `stop_requested`. A single stamp may be wrong, so several scans in a row have to be
