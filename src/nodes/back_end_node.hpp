@@ -48,7 +48,7 @@ class BackEndNode {
   void subscribe_all();
   void advertise_services();
   template <typename Message, typename Handle>
-  void listen(const std::string& topic, Handle handle, Numbered numbered = Numbered::kNo);
+  void listen(const std::string& topic, Handle handle);
 
   KeyFrameIndex continue_run(const std::string& run_id);
   void add_key_frame(const KeyFrame& key_frame);

@@ -116,9 +116,9 @@ void FrontEndNode::subscribe_sensors() {
     };
   };
   subscribers_ = {
-      subscribe<sensor_msgs::PointCloud2>(context_, "synced_cloud", capacity,
-                                          then_process([this](const auto& m) { add_cloud(m); }),
-                                          Numbered::kYes),
+      subscribe_numbered<sensor_msgs::PointCloud2>(
+          context_, "synced_cloud", capacity,
+          then_process([this](const auto& m) { add_cloud(m); })),
       subscribe<SyncedInputsMessage>(
           context_, "synced_inputs", capacity, then_process([this](const auto& m) {
             assembler_.add_inputs(

@@ -97,12 +97,10 @@ void LocalizationNode::advertise_topics() {
 void LocalizationNode::subscribe_all() {
   const int capacity = config_.node.queue_size;
   subscribers_ = {
-      subscribe<nav_msgs::Odometry>(
-          context_, "laser_odom", capacity, [this](const auto& m) { add_odometry(*m); },
-          Numbered::kYes),
-      subscribe<sensor_msgs::PointCloud2>(
-          context_, "current_scan", capacity, [this](const auto& m) { add_scan(*m); },
-          Numbered::kYes),
+      subscribe_numbered<nav_msgs::Odometry>(context_, "laser_odom", capacity,
+                                             [this](const auto& m) { add_odometry(*m); }),
+      subscribe_numbered<sensor_msgs::PointCloud2>(context_, "current_scan", capacity,
+                                                   [this](const auto& m) { add_scan(*m); }),
       subscribe<geometry_msgs::PoseWithCovarianceStamped>(
           context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
   if (config_.record_session) subscribe_drive();

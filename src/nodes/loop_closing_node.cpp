@@ -102,9 +102,9 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
   const std::string notice = loop_closing::describe_substitution(config.stage.registration_method);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   subscribers_ = {
-      subscribe<KeyFramePosesMessage>(
+      subscribe_numbered<KeyFramePosesMessage>(
           context, "key_frame_poses", config.node.queue_size,
-          [this](const auto& message) { update_poses(*message); }, Numbered::kYes),
+          [this](const auto& message) { update_poses(*message); }),
       subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
                                     [this](const auto& message) { add_gnss(*message); })};
   context.worker.set_idle_task(kIdle, [this] { log_line(loop_log_.rest()); });

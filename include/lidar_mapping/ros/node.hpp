@@ -43,12 +43,6 @@ class SequenceGaps {
   std::uint32_t newest_ = 0;
 };
 
-/// Whether a topic comes from a node of this package, which numbers its messages without gaps.
-enum class Numbered {
-  kNo,  ///< gaps in the numbers mean nothing
-  kYes  ///< gaps in the numbers are lost messages
-};
-
 /// Length of roscpp's queue. Chosen: callbacks only post to the worker, so it is longer than any
 /// burst, and all dropping is done and counted by the worker.
 constexpr std::uint32_t kTransportQueue = 100;
@@ -72,13 +66,12 @@ ros::Subscriber subscribe_arrivals(
 }
 
 /// Subscribes `topic`; `handle` is called for each message in the worker's thread. Up to `capacity`
-/// messages may wait there.
+/// messages may wait there. Messages that are missing by `gaps` count as lost.
 template <typename Message>
 ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
-                          Numbered numbered = Numbered::kNo) {
+                          const std::shared_ptr<SequenceGaps>& gaps = nullptr) {
   const auto channel = context.worker.add_channel(topic, static_cast<std::size_t>(capacity));
-  const auto gaps = numbered == Numbered::kYes ? std::make_shared<SequenceGaps>() : nullptr;
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
       [&worker = context.worker, channel, gaps,
        handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
@@ -92,6 +85,15 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
       };
   const std::uint32_t transport_queue = capacity == kUnlimited ? kUnlimitedQueue : kTransportQueue;
   return subscribe_arrivals<Message>(context, topic, transport_queue, callback);
+}
+
+/// The same for a topic of a node of this package, which numbers its messages without gaps.
+template <typename Message>
+ros::Subscriber subscribe_numbered(
+    NodeContext& context, const std::string& topic, int capacity,
+    std::function<void(const boost::shared_ptr<const Message>&)> handle) {
+  return subscribe<Message>(context, topic, capacity, std::move(handle),
+                            std::make_shared<SequenceGaps>());
 }
 
 /// Prints a line of a node that is shutting down, when roscpp's log has already ended.
