@@ -37,23 +37,12 @@ void prepare_log() {
   ros::param::getCached("/rosout_disable_topics_generation", is_disabled);
 }
 
-/// Stops the worker at the end of a scope, also if that is left by an exception.
-class StopAtEnd {
- public:
-  explicit StopAtEnd(Worker& worker) : worker_(worker) {}
-  ~StopAtEnd() { worker_.stop(); }
-  StopAtEnd(const StopAtEnd&) = delete;
-  StopAtEnd& operator=(const StopAtEnd&) = delete;
-
- private:
-  Worker& worker_;
-};
-
 void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
   NodeContext context;
   const std::shared_ptr<void> node = make(context);
   if (!node) return;
-  const StopAtEnd stop(context.worker);  // before the node, which the worker's tasks use, is gone
+  // Stops it before the node, which its tasks use, is gone.
+  const std::shared_ptr<Worker> worker(&context.worker, [](Worker* stopped) { stopped->stop(); });
   ros::spin();
 }
 
