@@ -7,8 +7,7 @@
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
-#include "clouds/hesai_scan.hpp"
-#include "clouds/velodyne_scan.hpp"
+#include "clouds/driver_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 

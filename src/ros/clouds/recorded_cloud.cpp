@@ -9,10 +9,7 @@
 #include "lidar_mapping/ros/cloud_types.hpp"
 
 #include "bags/wire_array.hpp"
-#include "clouds/hesai_scan.hpp"
-#include "clouds/livox_cloud.hpp"
-#include "clouds/point_cloud1.hpp"
-#include "clouds/velodyne_scan.hpp"
+#include "clouds/driver_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 
