@@ -21,7 +21,6 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
-#include "back_end/optimization_answer.hpp"
 #include "back_end/pose_publisher.hpp"
 #include "back_end/solver_queue.hpp"
 #include "back_end_node_config.hpp"

@@ -15,7 +15,6 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/ouster_messages.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
