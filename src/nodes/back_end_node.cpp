@@ -62,7 +62,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
         solved.solution ? apply_solution(solved) : report_failure(solved.failure);
       }) {
   resume();
-  context.worker.set_on_stop(Worker::OnStop::kDrain);
+  context.worker.drain_on_stop();
   context.worker.set_idle_task(kIdle, [this] {
     finalize();
     write_files();
@@ -251,7 +251,8 @@ void BackEndNode::publish_in_map(const nav_msgs::Odometry& message) {
   const Pose T_map_odom = run_ ? run_->T_map_odom() : Pose::Identity();
   optimized_odom_.publish(moved(message, T_map_odom, config_.node.map_frame));
   if (stamp <= sent_transform_) return;
-  transforms_.send(T_map_odom, stamp, config_.node.map_frame, config_.node.odom_frame);
+  transforms_.sendTransform(
+      stamped_transform(T_map_odom, stamp, config_.node.map_frame, config_.node.odom_frame));
   sent_transform_ = stamp;
 }
 
@@ -324,6 +325,5 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::BackEndNode>(argc, argv,
-                                                                                     "back_end");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::BackEndNode>(argc, argv);
 }

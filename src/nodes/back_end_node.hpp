@@ -14,6 +14,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
@@ -95,7 +96,7 @@ class BackEndNode {
   Config config_;
   NodeContext& context_;
   SensorFrames sensor_frames_;
-  TransformPublisher transforms_;
+  tf2_ros::TransformBroadcaster transforms_;
   Stamp sent_transform_ = 0;
   PosePublisher poses_;
   ros::Publisher optimized_odom_, verdicts_;

@@ -65,6 +65,6 @@ class FloorDetectionNode {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FloorDetectionNode>(
-      argc, argv, "floor_detection");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FloorDetectionNode>(argc,
+                                                                                            argv);
 }

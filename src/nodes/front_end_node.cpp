@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <std_msgs/UInt32.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -72,7 +73,7 @@ class FrontEndNode {
   ScanAssembler assembler_;
   SensorFrames sensor_frames_;
   Pose T_base_scan_;  ///< of the scans' frame
-  TransformPublisher transforms_;
+  tf2_ros::TransformBroadcaster transforms_;
   WarningLimiter limiter_;
   std::string run_id_;
   std::optional<front_end::FrontEndResult> previous_;
@@ -272,7 +273,8 @@ void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointC
 
 void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
   const NodeFields& frames = config_.node;
-  transforms_.send(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame);
+  transforms_.sendTransform(
+      stamped_transform(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame));
   double seconds = 0.0;
   if (previous_) seconds = to_seconds(result.stamp - previous_->stamp);
   laser_odom_.publish(to_odometry(result, front_end_.pose_covariance(), seconds, frames.odom_frame,
@@ -350,6 +352,5 @@ void FrontEndNode::warn_of_match(const front_end::FrontEndStatus& status) {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FrontEndNode>(argc, argv,
-                                                                                      "front_end");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FrontEndNode>(argc, argv);
 }

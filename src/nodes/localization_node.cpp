@@ -188,8 +188,8 @@ void LocalizationNode::watch_scans() {
 
 void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose& T_odom_base) {
   const NodeFields& frames = config_.node;
-  transforms_.send(result.T_map_base * T_odom_base.inverse(), result.stamp, frames.map_frame,
-                   frames.odom_frame);
+  transforms_.sendTransform(stamped_transform(result.T_map_base * T_odom_base.inverse(),
+                                              result.stamp, frames.map_frame, frames.odom_frame));
   geometry_msgs::PoseWithCovarianceStamped pose;
   pose.header = header_of(result.stamp, frames.map_frame);
   pose.pose.pose = to_message(result.T_map_base);
@@ -257,6 +257,6 @@ void LocalizationNode::report(const LocalizationResult& result, double seconds) 
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LocalizationNode>(
-      argc, argv, "loop_closing");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LocalizationNode>(argc,
+                                                                                          argv);
 }

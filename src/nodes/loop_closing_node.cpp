@@ -190,6 +190,6 @@ void LoopClosingNode::report() {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LoopClosingNode>(
-      argc, argv, "loop_closing");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LoopClosingNode>(argc,
+                                                                                         argv);
 }

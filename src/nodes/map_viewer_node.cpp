@@ -161,6 +161,5 @@ void MapViewerNode::update_problem(const diagnostic_msgs::DiagnosticArray& messa
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::MapViewerNode>(argc, argv,
-                                                                                       "map");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::MapViewerNode>(argc, argv);
 }

@@ -323,6 +323,6 @@ void PreprocessingNode::report() {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::PreprocessingNode>(
-      argc, argv, "preprocessing");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::PreprocessingNode>(argc,
+                                                                                           argv);
 }
