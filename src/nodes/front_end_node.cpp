@@ -56,7 +56,6 @@ class FrontEndNode {
   void process(const AssembledScan& assembled);
   void begin_run();
   void finalize();
-  void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void publish_final(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
   void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
@@ -233,7 +232,9 @@ void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
   for (const front_end::FrontEndResult& finalized : result.finalized) publish_final(finalized);
-  publish(result, assembled.scan.cloud);
+  publish_odometry(result);
+  if (!result.provisional) publish_final(result);
+  publish_clouds(result, assembled.scan.cloud);
   report(result);
   previous_ = result;
 }
@@ -263,12 +264,6 @@ void FrontEndNode::begin_run() {
   front_end_.resume(last.index + 1, last.segment + 1, last.T_odom_base);
   ROS_WARN_STREAM("continuing run " << run_id_ << " at key frame " << last.index + 1
                                     << ", in a new segment of the trajectory");
-}
-
-void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {
-  publish_odometry(result);
-  if (!result.provisional) publish_final(result);
-  publish_clouds(result, cloud);
 }
 
 void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
