@@ -48,7 +48,7 @@ std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded) {
   // Bytes of the shortest, by the format of geometry_msgs/TransformStamped: two empty names, number
   // and stamp, translation and rotation.
   constexpr std::uint32_t kShortest = 4 + 8 + 4 + 4 + 7 * 8;
-  ros::serialization::IStream stream = recorded.stream();
+  ros::serialization::IStream stream = stream_of(recorded.data);
   array_length(stream, kShortest);
   return recorded.instantiate<tf2_msgs::TFMessage>();
 }

@@ -9,12 +9,6 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Bytes for roscpp's deserialisation. The library takes its input as uint8_t*, but leaves it as it
-/// is.
-inline ros::serialization::IStream stream_of(ByteRange bytes) {
-  return {const_cast<std::uint8_t*>(bytes.first), static_cast<std::uint32_t>(bytes.size)};
-}
-
 /// Reads the number of elements of an array, each of at least `size` bytes. Throws ros::Exception
 /// if the data end before so many. The library allocates their number before it checks that, so
 /// that a damaged one could exhaust the memory.
