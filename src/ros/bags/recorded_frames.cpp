@@ -82,15 +82,8 @@ bool RecordedFrames::is_repeated(const geometry_msgs::TransformStamped& transfor
   return is_repeated;
 }
 
-std::optional<Pose> RecordedFrames::T_base(const std::string& frame) const {
-  return look_up(frame, ros::Time(0));
-}
-
 std::optional<Pose> RecordedFrames::T_base(const std::string& frame, Stamp stamp) const {
-  return look_up(frame, to_ros(stamp));
-}
-
-std::optional<Pose> RecordedFrames::look_up(const std::string& frame, const ros::Time& time) const {
+  const ros::Time time = to_ros(stamp);
   if (frame == base_frame_) return Pose::Identity();
   try {
     return from_message(frames_.lookupTransform(base_frame_, frame, time).transform);
