@@ -62,7 +62,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
         solved.solution ? apply_solution(solved) : report_failure(solved.failure);
       }) {
   resume();
-  context.worker.set_on_stop(Worker::OnStop::kDrain);
+  context.worker.drain_on_stop();
   context.worker.set_idle_task(kIdle, [this] {
     finalize();
     write_files();
@@ -107,49 +107,34 @@ BackEndNode::~BackEndNode() {
 }
 
 template <typename Message, typename Handle>
-void BackEndNode::listen(const std::string& topic, Handle handle, Numbered numbered) {
-  subscribers_.push_back(subscribe<Message>(
+void BackEndNode::listen(const std::string& topic, Handle handle) {
+  subscribers_.push_back(subscribe_numbered<Message>(
       context_, topic, config_.node.queue_size,
-      [handle](const boost::shared_ptr<const Message>& message) { handle(*message); }, numbered));
+      [handle](const boost::shared_ptr<const Message>& message) { handle(*message); }));
 }
 
 void BackEndNode::subscribe_all() {
-  listen<KeyFrameMessage>(
-      "key_frame",
-      [this](const auto& m) {
-        key_frames_.push({m.run_id, from_message(m)});
-      },
-      Numbered::kYes);
-  listen<LoopMessage>(
-      "loop", [this](const auto& m) { add_loop(m); }, Numbered::kYes);
-  listen<LoopVerdictMessage>(
-      "loop_verdict", [this](const auto& m) { add_verdict(m); }, Numbered::kYes);
-  listen<nav_msgs::Odometry>(
-      "synced_gnss", [this](const auto& m) { add_gnss(m); }, Numbered::kYes);
-  listen<sensor_msgs::Imu>(
-      "synced_imu",
-      [this](const auto& m) {
-        add_or_queue([sample = from_message(m)](Run& run) { run.add_imu(sample); });
-      },
-      Numbered::kYes);
-  listen<FloorMessage>(
-      "floor",
-      [this](const auto& m) {
-        add_or_queue([floor = from_message(m)](Run& run) { run.add_floor(floor); });
-      },
-      Numbered::kYes);
-  listen<sensor_msgs::NavSatFix>("gnss_datum", [this](const auto& m) {
-    datum_ = GeodeticDatum{m.latitude, m.longitude, m.altitude};
-    if (run_) run_->set_datum(*datum_);
+  listen<KeyFrameMessage>("key_frame", [this](const auto& m) {
+    key_frames_.push({m.run_id, from_message(m)});
   });
-  listen<nav_msgs::Odometry>(
-      "laser_odom", [this](const auto& m) { publish_in_map(m); }, Numbered::kYes);
-  listen<FrontEndStatusMessage>(
-      "front_end_status",
-      [this](const auto& m) {
-        add_or_queue([record = to_record(m)](Run& run) { run.session().add_scan(record); });
-      },
-      Numbered::kYes);
+  listen<LoopMessage>("loop", [this](const auto& m) { add_loop(m); });
+  listen<LoopVerdictMessage>("loop_verdict", [this](const auto& m) { add_verdict(m); });
+  listen<nav_msgs::Odometry>("synced_gnss", [this](const auto& m) { add_gnss(m); });
+  listen<sensor_msgs::Imu>("synced_imu", [this](const auto& m) {
+    add_or_queue([sample = from_message(m)](Run& run) { run.add_imu(sample); });
+  });
+  listen<FloorMessage>("floor", [this](const auto& m) {
+    add_or_queue([floor = from_message(m)](Run& run) { run.add_floor(floor); });
+  });
+  subscribers_.push_back(subscribe<sensor_msgs::NavSatFix>(
+      context_, "gnss_datum", config_.node.queue_size, [this](const auto& m) {
+        datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
+        if (run_) run_->set_datum(*datum_);
+      }));
+  listen<nav_msgs::Odometry>("laser_odom", [this](const auto& m) { publish_in_map(m); });
+  listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
+    add_or_queue([record = to_record(m)](Run& run) { run.session().add_scan(record); });
+  });
   const auto channel = context_.worker.add_channel("subscribers", kPublisherQueue);
   const auto publish_all = [this] {
     if (run_) publish_verdicts(run_->verdicts());
@@ -266,7 +251,8 @@ void BackEndNode::publish_in_map(const nav_msgs::Odometry& message) {
   const Pose T_map_odom = run_ ? run_->T_map_odom() : Pose::Identity();
   optimized_odom_.publish(moved(message, T_map_odom, config_.node.map_frame));
   if (stamp <= sent_transform_) return;
-  transforms_.send(T_map_odom, stamp, config_.node.map_frame, config_.node.odom_frame);
+  transforms_.sendTransform(
+      stamped_transform(T_map_odom, stamp, config_.node.map_frame, config_.node.odom_frame));
   sent_transform_ = stamp;
 }
 
@@ -339,6 +325,5 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::BackEndNode>(argc, argv,
-                                                                                     "back_end");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::BackEndNode>(argc, argv);
 }

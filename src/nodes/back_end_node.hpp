@@ -14,6 +14,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
@@ -21,7 +22,6 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
-#include "back_end/optimization_answer.hpp"
 #include "back_end/pose_publisher.hpp"
 #include "back_end/solver_queue.hpp"
 #include "back_end_node_config.hpp"
@@ -48,7 +48,7 @@ class BackEndNode {
   void subscribe_all();
   void advertise_services();
   template <typename Message, typename Handle>
-  void listen(const std::string& topic, Handle handle, Numbered numbered = Numbered::kNo);
+  void listen(const std::string& topic, Handle handle);
 
   KeyFrameIndex continue_run(const std::string& run_id);
   void add_key_frame(const KeyFrame& key_frame);
@@ -96,7 +96,7 @@ class BackEndNode {
   Config config_;
   NodeContext& context_;
   SensorFrames sensor_frames_;
-  TransformPublisher transforms_;
+  tf2_ros::TransformBroadcaster transforms_;
   Stamp sent_transform_ = 0;
   PosePublisher poses_;
   ros::Publisher optimized_odom_, verdicts_;

@@ -24,9 +24,9 @@ class FloorDetectionNode {
         filtered_points_(
             context.node.advertise<sensor_msgs::PointCloud2>("floor_filtered_points", 1)),
         floor_points_(context.node.advertise<sensor_msgs::PointCloud2>("floor_points", 1)),
-        cloud_(subscribe<sensor_msgs::PointCloud2>(
+        cloud_(subscribe_numbered<sensor_msgs::PointCloud2>(
             context, "synced_cloud", config.node.queue_size,
-            [this](const auto& message) { process(*message); }, Numbered::kYes)) {}
+            [this](const auto& message) { process(*message); })) {}
 
  private:
   void process(const sensor_msgs::PointCloud2& message) {
@@ -65,6 +65,6 @@ class FloorDetectionNode {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FloorDetectionNode>(
-      argc, argv, "floor_detection");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FloorDetectionNode>(argc,
+                                                                                            argv);
 }

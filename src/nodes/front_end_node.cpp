@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <std_msgs/UInt32.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -55,7 +56,6 @@ class FrontEndNode {
   void process(const AssembledScan& assembled);
   void begin_run();
   void finalize();
-  void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void publish_final(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
   void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
@@ -72,7 +72,7 @@ class FrontEndNode {
   ScanAssembler assembler_;
   SensorFrames sensor_frames_;
   Pose T_base_scan_;  ///< of the scans' frame
-  TransformPublisher transforms_;
+  tf2_ros::TransformBroadcaster transforms_;
   WarningLimiter limiter_;
   std::string run_id_;
   std::optional<front_end::FrontEndResult> previous_;
@@ -116,9 +116,9 @@ void FrontEndNode::subscribe_sensors() {
     };
   };
   subscribers_ = {
-      subscribe<sensor_msgs::PointCloud2>(context_, "synced_cloud", capacity,
-                                          then_process([this](const auto& m) { add_cloud(m); }),
-                                          Numbered::kYes),
+      subscribe_numbered<sensor_msgs::PointCloud2>(
+          context_, "synced_cloud", capacity,
+          then_process([this](const auto& m) { add_cloud(m); })),
       subscribe<SyncedInputsMessage>(
           context_, "synced_inputs", capacity, then_process([this](const auto& m) {
             assembler_.add_inputs(
@@ -232,7 +232,9 @@ void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
   for (const front_end::FrontEndResult& finalized : result.finalized) publish_final(finalized);
-  publish(result, assembled.scan.cloud);
+  publish_odometry(result);
+  if (!result.provisional) publish_final(result);
+  publish_clouds(result, assembled.scan.cloud);
   report(result);
   previous_ = result;
 }
@@ -264,15 +266,10 @@ void FrontEndNode::begin_run() {
                                     << ", in a new segment of the trajectory");
 }
 
-void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {
-  publish_odometry(result);
-  if (!result.provisional) publish_final(result);
-  publish_clouds(result, cloud);
-}
-
 void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
   const NodeFields& frames = config_.node;
-  transforms_.send(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame);
+  transforms_.sendTransform(
+      stamped_transform(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame));
   double seconds = 0.0;
   if (previous_) seconds = to_seconds(result.stamp - previous_->stamp);
   laser_odom_.publish(to_odometry(result, front_end_.pose_covariance(), seconds, frames.odom_frame,
@@ -350,6 +347,5 @@ void FrontEndNode::warn_of_match(const front_end::FrontEndStatus& status) {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FrontEndNode>(argc, argv,
-                                                                                      "front_end");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FrontEndNode>(argc, argv);
 }

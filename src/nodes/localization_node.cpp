@@ -97,12 +97,10 @@ void LocalizationNode::advertise_topics() {
 void LocalizationNode::subscribe_all() {
   const int capacity = config_.node.queue_size;
   subscribers_ = {
-      subscribe<nav_msgs::Odometry>(
-          context_, "laser_odom", capacity, [this](const auto& m) { add_odometry(*m); },
-          Numbered::kYes),
-      subscribe<sensor_msgs::PointCloud2>(
-          context_, "current_scan", capacity, [this](const auto& m) { add_scan(*m); },
-          Numbered::kYes),
+      subscribe_numbered<nav_msgs::Odometry>(context_, "laser_odom", capacity,
+                                             [this](const auto& m) { add_odometry(*m); }),
+      subscribe_numbered<sensor_msgs::PointCloud2>(context_, "current_scan", capacity,
+                                                   [this](const auto& m) { add_scan(*m); }),
       subscribe<geometry_msgs::PoseWithCovarianceStamped>(
           context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
   if (config_.record_session) subscribe_drive();
@@ -190,8 +188,8 @@ void LocalizationNode::watch_scans() {
 
 void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose& T_odom_base) {
   const NodeFields& frames = config_.node;
-  transforms_.send(result.T_map_base * T_odom_base.inverse(), result.stamp, frames.map_frame,
-                   frames.odom_frame);
+  transforms_.sendTransform(stamped_transform(result.T_map_base * T_odom_base.inverse(),
+                                              result.stamp, frames.map_frame, frames.odom_frame));
   geometry_msgs::PoseWithCovarianceStamped pose;
   pose.header = header_of(result.stamp, frames.map_frame);
   pose.pose.pose = to_message(result.T_map_base);
@@ -259,6 +257,6 @@ void LocalizationNode::report(const LocalizationResult& result, double seconds) 
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LocalizationNode>(
-      argc, argv, "loop_closing");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LocalizationNode>(argc,
+                                                                                          argv);
 }

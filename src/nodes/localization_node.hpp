@@ -13,6 +13,7 @@
 #include <ros/spinner.h>
 #include <ros/wall_timer.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/pipeline/drive_recorder.hpp"
@@ -97,7 +98,7 @@ class LocalizationNode {
   std::size_t recordings_ = 0;            ///< that the loader began
   KeyFrameFeed key_frames_;
   SensorFrames sensor_frames_;
-  TransformPublisher transforms_;
+  tf2_ros::TransformBroadcaster transforms_;
   std::shared_ptr<ActiveMap> active_map_;  ///< none until a map is read
   std::optional<Pose> initial_pose_;       ///< that the first map is told
   std::string loading_ = "no map yet";     ///< why no map is active

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <sstream>
-
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/loop_closing/method_substitution.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
@@ -27,12 +26,11 @@ constexpr std::chrono::milliseconds kIdle{10000};
 
 /// A line for the log: the count so far, and the newest loop.
 std::string loop_summary(const Loop& loop, std::size_t count) {
-  std::ostringstream text;
-  text.precision(2);
-  text << "loops: " << count << "; the newest one: key frame " << loop.to
-       << " at the place of key frame " << loop.from << ", overlap " << std::fixed << loop.overlap
-       << std::defaultfloat << ", fitness " << loop.fitness << " m^2";
-  return text.str();
+  return formatted(
+      "loops: %zu; the newest one: key frame %u at the place of key frame %u, overlap %.2f, "
+      "fitness "
+      "%.2g m^2",
+      count, loop.to, loop.from, loop.overlap, loop.fitness);
 }
 
 void log_line(const std::optional<std::string>& line) {
@@ -102,9 +100,9 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
   const std::string notice = loop_closing::describe_substitution(config.stage.registration_method);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   subscribers_ = {
-      subscribe<KeyFramePosesMessage>(
+      subscribe_numbered<KeyFramePosesMessage>(
           context, "key_frame_poses", config.node.queue_size,
-          [this](const auto& message) { update_poses(*message); }, Numbered::kYes),
+          [this](const auto& message) { update_poses(*message); }),
       subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
                                     [this](const auto& message) { add_gnss(*message); })};
   context.worker.set_idle_task(kIdle, [this] { log_line(loop_log_.rest()); });
@@ -190,6 +188,6 @@ void LoopClosingNode::report() {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LoopClosingNode>(
-      argc, argv, "loop_closing");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LoopClosingNode>(argc,
+                                                                                         argv);
 }

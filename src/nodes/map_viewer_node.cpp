@@ -45,16 +45,13 @@ MapViewerNode::~MapViewerNode() {
 void MapViewerNode::subscribe_all() {
   const int capacity = config_.node.queue_size;
   subscribers_ = {
-      subscribe<KeyFramePosesMessage>(
-          context_, "key_frame_poses", capacity, [this](const auto& m) { update_poses(*m); },
-          Numbered::kYes),
+      subscribe_numbered<KeyFramePosesMessage>(context_, "key_frame_poses", capacity,
+                                               [this](const auto& m) { update_poses(*m); }),
       subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { add_loop(*m); }),
-      subscribe<LoopVerdictMessage>(
-          context_, "loop_verdict", 10 * capacity, [this](const auto& m) { update_candidate(*m); },
-          Numbered::kYes),
-      subscribe<LoopVerdictMessage>(
-          context_, "graph_verdict", kUnlimited, [this](const auto& m) { update_verdict(*m); },
-          Numbered::kYes),
+      subscribe_numbered<LoopVerdictMessage>(context_, "loop_verdict", 10 * capacity,
+                                             [this](const auto& m) { update_candidate(*m); }),
+      subscribe_numbered<LoopVerdictMessage>(context_, "graph_verdict", kUnlimited,
+                                             [this](const auto& m) { update_verdict(*m); }),
       subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
                                     [this](const auto& m) {
                                       if (view_.add_fix(from_message(m->pose.pose).translation))
@@ -164,6 +161,5 @@ void MapViewerNode::update_problem(const diagnostic_msgs::DiagnosticArray& messa
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::MapViewerNode>(argc, argv,
-                                                                                       "map");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::MapViewerNode>(argc, argv);
 }

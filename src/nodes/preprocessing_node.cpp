@@ -15,7 +15,6 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/ouster_messages.hpp"
-#include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
@@ -324,6 +323,6 @@ void PreprocessingNode::report() {
 }  // namespace lidar_mapping::ros_border
 
 int main(int argc, char** argv) {
-  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::PreprocessingNode>(
-      argc, argv, "preprocessing");
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::PreprocessingNode>(argc,
+                                                                                           argv);
 }

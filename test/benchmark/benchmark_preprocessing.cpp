@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include <benchmark/benchmark.h>
-#include <boost/make_shared.hpp>
 
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -39,12 +39,13 @@ sensor_msgs::PointCloud2 scan_message(bool with_times) {
   return ros_border::to_message(cloud, kBegin, "lidar");
 }
 
-using Messages = std::vector<sensor_msgs::PointCloud2Ptr>;
+using Message = std::shared_ptr<sensor_msgs::PointCloud2>;
+using Messages = std::vector<Message>;
 
 Messages scan_messages(std::int64_t count, bool with_times) {
   Messages messages;
   for (std::int64_t k = 0; k < count; ++k) {
-    messages.push_back(boost::make_shared<sensor_msgs::PointCloud2>(scan_message(with_times)));
+    messages.push_back(std::make_shared<sensor_msgs::PointCloud2>(scan_message(with_times)));
   }
   return messages;
 }
@@ -92,10 +93,11 @@ void message_to_synced_cloud(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     if (moves) add_motion(stage, stamp, stamp + period);
-    const sensor_msgs::PointCloud2Ptr& message = messages[next++ % messages.size()];
+    const Message& message = messages[next++ % messages.size()];
     message->header.stamp = ros_border::to_ros(stamp);
     state.ResumeTiming();
-    auto scans = stage.process(ros_border::decode_lazily(message, config, std::move(spare)).scan);
+    auto scans =
+        stage.process(ros_border::decode_lazily(*message, message, config, std::move(spare)).scan);
     for (auto& scan : stage.flush()) scans.push_back(std::move(scan));
     for (auto& scan : scans) {
       const ros_border::OutgoingCloud sent(scan.scan.cloud, scan.scan.stamp, "base_link");

@@ -33,7 +33,6 @@ set(reader_sources
   ${readers_root}/src/preprocessing/packets/velodyne_packets.cpp
   ${readers_root}/src/ros/bags/cdr_message.cpp
   ${readers_root}/src/ros/bags/chunked_recording.cpp
-  ${readers_root}/src/ros/clouds/cloud_fields.cpp
   ${readers_root}/src/ros/clouds/cloud_reader.cpp
   ${readers_root}/src/ros/bags/file_bytes.cpp
   ${readers_root}/src/ros/clouds/hesai_scan.cpp

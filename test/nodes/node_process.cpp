@@ -2,8 +2,6 @@
 #include "node_process.hpp"
 
 #include <csignal>
-#include <cstdlib>
-#include <iterator>
 
 #include <fcntl.h>
 #include <ros/master.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdlib>
-#include <set>
 
 #include <sensor_msgs/NavSatFix.h>
 

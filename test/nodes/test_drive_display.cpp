@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 
-#include "display/age_markers.hpp"
 #include "display/drive_floors.hpp"
 #include "display/drive_status.hpp"
 #include "display/graph_markers.hpp"

@@ -39,7 +39,7 @@ class Stall {
 TEST(Worker, TakesTasksOfAllChannelsInOrderOfArrival) {
   Order order;
   Worker worker(ignore);
-  worker.set_on_stop(Worker::OnStop::kDrain);
+  worker.drain_on_stop();
   const auto a = worker.add_channel("a", 10);
   const auto b = worker.add_channel("b", 10);
   Stall stall(worker, a);
@@ -55,7 +55,7 @@ TEST(Worker, TakesTasksOfAllChannelsInOrderOfArrival) {
 TEST(Worker, DropsTheOldestOfAFullChannelAndCountsIt) {
   Order order;
   Worker worker(ignore);
-  worker.set_on_stop(Worker::OnStop::kDrain);
+  worker.drain_on_stop();
   const auto gate = worker.add_channel("gate", 1);
   const auto scans = worker.add_channel("scans", 3);
   Stall stall(worker, gate);
@@ -72,7 +72,7 @@ TEST(Worker, DropsTheOldestOfAFullChannelAndCountsIt) {
 TEST(Worker, OtherChannelsLoseNothingWhenOneIsFull) {
   Order order;
   Worker worker(ignore);
-  worker.set_on_stop(Worker::OnStop::kDrain);
+  worker.drain_on_stop();
   const auto scans = worker.add_channel("scans", 1);
   const auto imu = worker.add_channel("imu", 10);
   Stall stall(worker, imu);
@@ -112,7 +112,7 @@ TEST(Worker, GoesOnAfterATaskThatThrows) {
   {
     Worker worker(
         [&](const std::string& channel, const std::string& what) { said = channel + ": " + what; });
-    worker.set_on_stop(Worker::OnStop::kDrain);
+    worker.drain_on_stop();
     const auto channel = worker.add_channel("scans", 10);
     worker.post(channel, [] { throw std::runtime_error("stamp goes back"); });
     worker.post(channel, [&] { ran = true; });

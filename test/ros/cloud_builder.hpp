@@ -10,7 +10,7 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
-#include "clouds/cloud_fields.hpp"
+#include "clouds/point_fields.hpp"
 
 /// Clouds as drivers of sensors publish them.
 namespace lidar_mapping::test {

@@ -14,10 +14,10 @@ OverlookedSensors sensors() {
 
 TEST(OverlookedSensors, NamesTopicsThatCouldBeMeantOnce) {
   OverlookedSensors overlooked = sensors();
-  const std::vector<PublishedTopic> published = {{"/imu/data", "sensor_msgs/Imu"},
-                                                 {"/map_datum", "geographic_msgs/GeoPointStamped"},
-                                                 {"/scan", "sensor_msgs/LaserScan"},
-                                                 {"/synced_imu", "sensor_msgs/Imu"}};
+  const ros::master::V_TopicInfo published = {{"/imu/data", "sensor_msgs/Imu"},
+                                              {"/map_datum", "geographic_msgs/GeoPointStamped"},
+                                              {"/scan", "sensor_msgs/LaserScan"},
+                                              {"/synced_imu", "sensor_msgs/Imu"}};
   const auto lines = overlooked.search(published);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines.at("imu"),

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
-#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -118,10 +118,10 @@ TEST(PointLayouts, ReadsPointsThatDoNotBeginWithTheirCoordinates) {
 
 TEST(PointLayouts, LeavesPointsOfTheUsualLayoutWhereTheyAre) {
   for (const std::uint32_t step : {20U, 32U}) {
-    auto message = boost::make_shared<PointCloud2>(plain_cloud(step));
+    auto message = std::make_shared<PointCloud2>(plain_cloud(step));
     const DecodedCloud read = decode(*message, {});
     EXPECT_FALSE(read.scan.packed);
-    DecodedCloud lazy = decode_lazily(message, {});
+    DecodedCloud lazy = decode_lazily(*message, message, {});
     message.reset();  // the scan keeps what it needs
     ASSERT_TRUE(lazy.scan.packed);
     EXPECT_EQ(lazy.scan.cloud.times, read.scan.cloud.times);
@@ -135,10 +135,9 @@ TEST(PointLayouts, LeavesPointsOfTheUsualLayoutWhereTheyAre) {
 }
 
 TEST(PointLayouts, ReadsOtherLayoutsAtOnce) {
-  const auto message =
-      boost::make_shared<PointCloud2>(absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0));
-  message->fields.front().datatype = PointField::FLOAT64;
-  EXPECT_FALSE(decode_lazily(message, {}).scan.packed);
+  PointCloud2 message = absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0);
+  message.fields.front().datatype = PointField::FLOAT64;
+  EXPECT_FALSE(decode_lazily(message, nullptr, {}).scan.packed);
 }
 
 /// Coordinates as doubles and an intensity of any type, organised, with returns that are not there.

@@ -2,9 +2,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 #include <random>
 
-#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -158,8 +158,8 @@ void feed(Fuzz& fuzz, preprocessing::Preprocessor& stage,
     switch (fuzz.below(4)) {
       case 0: {
         ++tally.clouds;
-        const auto message = boost::make_shared<sensor_msgs::PointCloud2>(fuzz.cloud());
-        check(stage.process(decode_lazily(message, config).scan));
+        const auto message = std::make_shared<sensor_msgs::PointCloud2>(fuzz.cloud());
+        check(stage.process(decode_lazily(*message, message, config).scan));
         break;
       }
       case 1: {

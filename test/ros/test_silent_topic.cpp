@@ -8,7 +8,7 @@ namespace {
 
 const std::string kType = "sensor_msgs/Imu";
 
-std::string why(const std::vector<PublishedTopic>& published) {
+std::string why(const ros::master::V_TopicInfo& published) {
   return why_silent("/imu", {kType}, published, {"/synced_imu"}, "imu");
 }
 

@@ -46,14 +46,9 @@ struct BagMessage {
   std::optional<Message> instantiate() const {
     if (!is<Message>()) return std::nullopt;
     std::optional<Message> message(std::in_place);
-    ros::serialization::IStream from = stream();
+    ros::serialization::IStream from = stream_of(data);
     ros::serialization::deserialize(from, *message);
     return message;
-  }
-  /// The data for roscpp's deserialisation. The library takes its input as uint8_t*, but leaves it
-  /// as it is.
-  ros::serialization::IStream stream() const {
-    return {const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)};
   }
 };
 

@@ -17,9 +17,10 @@ class CloudReader {
   explicit CloudReader(const preprocessing::PreprocessingConfig& config);
 
   /// Points and times. Throws InputError as decode(), preprocessing::VelodyneDecoder and
-  /// preprocessing::HesaiDecoder do. The memory of `buffer` is used again.
-  DecodedCloud read(const RecordedCloud& cloud, PointCloud buffer = {}) const;
-  /// The same, but points of the usual layout stay packed, as decode_lazily() leaves them.
+  /// preprocessing::HesaiDecoder do.
+  DecodedCloud read(const RecordedCloud& cloud) const;
+  /// The same, but points of the usual layout stay packed, as decode_lazily() leaves them. The
+  /// memory of `buffer` is used again.
   DecodedCloud read_lazily(const RecordedCloud& cloud, PointCloud buffer = {}) const;
 
  private:

@@ -43,12 +43,6 @@ class SequenceGaps {
   std::uint32_t newest_ = 0;
 };
 
-/// Whether a topic comes from a node of this package, which numbers its messages without gaps.
-enum class Numbered {
-  kNo,  ///< gaps in the numbers mean nothing
-  kYes  ///< gaps in the numbers are lost messages
-};
-
 /// Length of roscpp's queue. Chosen: callbacks only post to the worker, so it is longer than any
 /// burst, and all dropping is done and counted by the worker.
 constexpr std::uint32_t kTransportQueue = 100;
@@ -72,13 +66,12 @@ ros::Subscriber subscribe_arrivals(
 }
 
 /// Subscribes `topic`; `handle` is called for each message in the worker's thread. Up to `capacity`
-/// messages may wait there.
+/// messages may wait there. Messages that are missing by `gaps` count as lost.
 template <typename Message>
 ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
-                          Numbered numbered = Numbered::kNo) {
+                          const std::shared_ptr<SequenceGaps>& gaps = nullptr) {
   const auto channel = context.worker.add_channel(topic, static_cast<std::size_t>(capacity));
-  const auto gaps = numbered == Numbered::kYes ? std::make_shared<SequenceGaps>() : nullptr;
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
       [&worker = context.worker, channel, gaps,
        handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
@@ -94,29 +87,32 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
   return subscribe_arrivals<Message>(context, topic, transport_queue, callback);
 }
 
+/// The same for a topic of a node of this package, which numbers its messages without gaps.
+template <typename Message>
+ros::Subscriber subscribe_numbered(
+    NodeContext& context, const std::string& topic, int capacity,
+    std::function<void(const boost::shared_ptr<const Message>&)> handle) {
+  return subscribe<Message>(context, topic, capacity, std::move(handle),
+                            std::make_shared<SequenceGaps>());
+}
+
 /// Prints a line of a node that is shutting down, when roscpp's log has already ended.
 void print_at_exit(const std::string& line);
 
 /// Queue length of a publisher. Chosen: subscribers accept messages at once, so that few ever wait.
 constexpr std::uint32_t kPublisherQueue = 100;
 
-/// Behaviour of a node that cannot start: end, or, if it would only be restarted, idle until it is
-/// shut down.
-enum class OnError {
-  kEnd,  ///< with exit status 1
-  kStay  ///< idle, with the error on /diagnostics
-};
-
 /// Calls `make` for the node, which may return null to end at once, spins until the end and stops
 /// the worker before the node is destroyed. Errors of configuration and files are logged, a line
-/// each. Returns the program's exit status.
-int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error);
+/// each; with `stay_on_error` the node then idles, with the error on /diagnostics, until it is shut
+/// down. Returns the program's exit status.
+int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, bool stay_on_error);
 
 /// Options on a node's command line beside those of ROS.
 struct NodeOptions {
-  bool print_config = false;         ///< print the configuration in force and end
-  OnError on_error = OnError::kEnd;  ///< if the node cannot start
-  std::optional<int> exit_status;    ///< set if the program ends at once: help, a wrong option
+  bool print_config = false;       ///< print the configuration in force and end
+  bool stay_on_error = false;      ///< do not end if the node cannot start: it would be restarted
+  std::optional<int> exit_status;  ///< set if the program ends at once: help, a wrong option
 };
 
 /// Starts roscpp as `name`, which removes ROS's options from the command line, and reads the rest.
@@ -124,11 +120,12 @@ struct NodeOptions {
 NodeOptions start_ros(int argc, char** argv, const std::string& name, const std::string& stage);
 
 /// The body of a node's main. `Node` has a type `Config` with a schema and the constructor
-/// Node(const Config&, NodeContext&); `stage` is the name of its group of parameters. The node has
-/// the program's name.
+/// Node(const Config&, NodeContext&); its group of parameters has the name of the schema's stage.
+/// The node has the program's name.
 template <typename Node>
-int run_node(int argc, char** argv, const std::string& stage) {
+int run_node(int argc, char** argv) {
   using Config = typename Node::Config;
+  const std::string& stage = Config::schema().stage();
   const std::string name = std::filesystem::path(argv[0]).filename().string();
   const NodeOptions options = start_ros(argc, argv, name, stage);
   if (options.exit_status) return *options.exit_status;
@@ -143,7 +140,7 @@ int run_node(int argc, char** argv, const std::string& stage) {
     publish_effective_configuration(context.node, stage, yaml);
     return std::make_shared<Node>(config, context);
   };
-  return run(make, options.on_error);
+  return run(make, options.stay_on_error);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -29,7 +29,7 @@ class OverlookedSensors {
   void mark_received(const std::string& input);
   /// Returns a line with the candidates for each input without messages and publisher for which
   /// topics of its types are published. Each input is reported once.
-  std::map<std::string, std::string> search(const std::vector<PublishedTopic>& published);
+  std::map<std::string, std::string> search(const ros::master::V_TopicInfo& published);
   /// Whether all inputs were received or reported.
   bool is_complete() const;
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include <sensor_msgs/PointCloud2.h>
 
@@ -27,16 +26,11 @@ struct DecodedCloud {
 /// relative or absolute; also in two fields, such as `time_sec` and `time_nsec` or `timestamp_h`
 /// and `timestamp_l`. All points are kept in their order, also those that are not finite. Throws
 /// InputError for big-endian data, missing coordinates, fields outside of the point and data that
-/// are shorter than the header says. The memory of `buffer` is used again.
-DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
-                    PointCloud buffer = {});
+/// are shorter than the header says.
+DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config);
 /// The same, but points of the usual layout stay packed in the message's data, which `memory` keeps
-/// and which live on with the scan, until they are moved.
+/// and which live on with the scan, until they are moved. The memory of `buffer` is used again.
 DecodedCloud decode_lazily(const CloudView& message, std::shared_ptr<const void> memory,
-                           const preprocessing::PreprocessingConfig& config,
-                           PointCloud buffer = {});
-/// The same for a whole message, which lives on with the scan.
-DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
                            const preprocessing::PreprocessingConfig& config,
                            PointCloud buffer = {});
 

@@ -34,14 +34,12 @@ class RecordedFrames {
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// What is wrong with the first transform that was left out, with its frames; empty without one.
   const std::string& problem() const { return problem_; }
-  /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.
-  std::optional<Pose> T_base(const std::string& frame) const;
-  /// The pose at a time, interpolated; nothing if the transforms do not reach there.
-  std::optional<Pose> T_base(const std::string& frame, Stamp stamp) const;
+  /// The pose of a frame on the vehicle at a time, interpolated; 0 stands for the newest pose, as
+  /// in tf. Nothing if no chain of transforms leads there, or they do not reach that time.
+  std::optional<Pose> T_base(const std::string& frame, Stamp stamp = 0) const;
 
  private:
   bool is_repeated(const geometry_msgs::TransformStamped& transform);
-  std::optional<Pose> look_up(const std::string& frame, const ros::Time& time) const;
 
   std::string base_frame_;
   std::string problem_;

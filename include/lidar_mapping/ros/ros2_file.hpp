@@ -13,6 +13,8 @@
 #include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/ros/chunked_recording.hpp"
 
+struct sqlite3;
+
 namespace lidar_mapping::ros_border {
 
 struct Ros2Type;
@@ -37,8 +39,6 @@ class Ros2File {
   /// Reads the list of these topics; topics that do not exist are ignored.
   explicit Ros2File(const std::string& path, const WantedTopics& topics = std::nullopt);
   ~Ros2File();
-  Ros2File(const Ros2File&) = delete;
-  Ros2File& operator=(const Ros2File&) = delete;
 
   /// Topics by the numbers that the database gives them, with the types' names and MD5 sums of
   /// ROS 1; the sum is empty for types that are not read.
@@ -57,7 +57,6 @@ class Ros2File {
  private:
   class Statement;
 
-  void open();
   void read_topics(const WantedTopics& topics);
   void count_messages();
   std::string of_topics() const;
@@ -65,7 +64,7 @@ class Ros2File {
   [[noreturn]] void fail(const std::string& reason) const;
 
   std::string path_;
-  void* database_ = nullptr;  ///< sqlite3*
+  std::shared_ptr<sqlite3> database_;
   std::map<std::int64_t, BagConnection> connections_;
   std::map<std::int64_t, const Ros2Type*> types_;   ///< those that are read
   Stamp from_ = std::numeric_limits<Stamp>::min();  ///< of the first message that is read

@@ -7,12 +7,10 @@
 
 #include <nav_msgs/Odometry.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
-#include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/ros/warning_limiter.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -45,16 +43,5 @@ class SensorFrames {
 /// empty while tf does not have it.
 std::optional<GnssPosition> gnss_position(const nav_msgs::Odometry& message,
                                           const std::string& base_frame, SensorFrames& frames);
-
-/// Broadcasts T_parent_child at a stamp of the data.
-class TransformPublisher {
- public:
-  /// Sends the pose of `child` in `parent` at `stamp` to /tf.
-  void send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
-            const std::string& child);
-
- private:
-  tf2_ros::TransformBroadcaster broadcaster_;
-};
 
 }  // namespace lidar_mapping::ros_border

@@ -40,9 +40,7 @@ struct WireMessage {
   template <typename Message>
   Message instantiate() const {
     Message message;
-    // The library takes its input as uint8_t*, but leaves it as it is.
-    ros::serialization::IStream stream(const_cast<std::uint8_t*>(data.data()),
-                                       static_cast<std::uint32_t>(data.size()));
+    ros::serialization::IStream stream = stream_of(bytes());
     ros::serialization::deserialize(stream, message);
     return message;
   }

@@ -24,12 +24,6 @@ class Worker {
   using Task = std::function<void()>;  ///< called once by the thread
   using ChannelId = std::size_t;       ///< number of a channel of this worker
 
-  /// What stop() does with tasks that wait.
-  enum class OnStop {
-    kDiscard,  ///< they are dropped
-    kDrain     ///< they are done first
-  };
-
   /// Numbers of tasks of a channel since the start.
   struct ChannelStatistics {
     std::string name;         ///< of the channel
@@ -56,8 +50,8 @@ class Worker {
   void add_lost(ChannelId id, std::size_t count);
   /// Runs `task` in the thread once after nothing has happened for `after`; again after more work.
   void set_idle_task(std::chrono::milliseconds after, Task task);
-  /// Sets what stop() does; at first it discards.
-  void set_on_stop(OnStop policy);
+  /// From now on stop() does the tasks that wait, instead of dropping them.
+  void drain_on_stop();
 
   /// Ends the thread after the present task, or after all waiting ones. May be called again.
   void stop();
@@ -91,7 +85,7 @@ class Worker {
   std::uint64_t next_number_ = 0;
   std::chrono::milliseconds idle_after_{0};
   Task idle_task_;
-  OnStop on_stop_ = OnStop::kDiscard;
+  bool drains_on_stop_ = false;
   bool stopping_ = false;
   std::thread thread_;  // last: it uses all of the above
 };

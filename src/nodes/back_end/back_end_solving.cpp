@@ -4,6 +4,7 @@
 
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
+#include "back_end/optimization_answer.hpp"
 #include "back_end_node.hpp"
 
 // When the graph is optimised, and how the solution is applied.

@@ -6,7 +6,6 @@
 
 #include "lidar_mapping/common/path_length.hpp"
 
-#include "display/age_markers.hpp"
 #include "display/drive_status.hpp"
 #include "display/path_display.hpp"
 #include "worker_tasks.hpp"

@@ -39,19 +39,15 @@ bool is_found(const pipeline::LocalizedDrive& drive) {
 /// only burden the network.
 void LocalizationNode::subscribe_drive() {
   const int capacity = config_.node.queue_size;
-  subscribers_.push_back(subscribe<KeyFrameMessage>(
-      context_, "key_frame", capacity,
-      [this](const auto& m) {
+  subscribers_.push_back(
+      subscribe_numbered<KeyFrameMessage>(context_, "key_frame", capacity, [this](const auto& m) {
         key_frames_.push({m->run_id, from_message(*m)});
-      },
-      Numbered::kYes));
-  subscribers_.push_back(subscribe<FrontEndStatusMessage>(
-      context_, "front_end_status", capacity,
-      [this](const auto& m) {
+      }));
+  subscribers_.push_back(subscribe_numbered<FrontEndStatusMessage>(
+      context_, "front_end_status", capacity, [this](const auto& m) {
         if (pipeline::DriveRecorder* const recorder = present_recorder())
           recorder->add_scan(to_record(*m));
-      },
-      Numbered::kYes));
+      }));
 }
 
 /// Each map has a recording of its own. A map that cannot be extended is good for localisation all

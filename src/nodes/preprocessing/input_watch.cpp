@@ -50,10 +50,10 @@ std::vector<std::string> point_types() {
 
 /// Topics that are published now. All packets of an Ouster have one type: those of another kind
 /// than `kind` are left out, unless their topic is `subscribed`.
-std::vector<PublishedTopic> topics_with(const char* kind, const std::string& subscribed) {
-  std::vector<PublishedTopic> topics = published_topics();
-  const auto is_other = [&](const PublishedTopic& topic) {
-    return topic.type == kOusterPacket && topic.name != subscribed &&
+ros::master::V_TopicInfo topics_with(const char* kind, const std::string& subscribed) {
+  ros::master::V_TopicInfo topics = published_topics();
+  const auto is_other = [&](const ros::master::TopicInfo& topic) {
+    return topic.datatype == kOusterPacket && topic.name != subscribed &&
            ouster_name(topic.name, kind).empty();
   };
   topics.erase(std::remove_if(topics.begin(), topics.end(), is_other), topics.end());

@@ -7,6 +7,7 @@
 
 #include <ros/console.h>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -15,10 +16,7 @@ namespace {
 
 /// As text with all digits, because a ROS master may round numbers.
 std::string to_text(const GeodeticDatum& datum) {
-  std::ostringstream text;
-  text.precision(17);
-  text << datum.latitude_deg << ' ' << datum.longitude_deg << ' ' << datum.altitude_m;
-  return text.str();
+  return formatted("%.17g %.17g %.17g", datum.latitude_deg, datum.longitude_deg, datum.altitude_m);
 }
 
 }  // namespace

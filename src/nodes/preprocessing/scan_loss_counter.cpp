@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preprocessing/scan_loss_counter.hpp"
 
-#include <string>
 #include <utility>
 
 #include <std_msgs/UInt32.h>

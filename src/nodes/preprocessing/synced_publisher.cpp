@@ -11,7 +11,6 @@
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
-#include "lidar_mapping/ros/transforms.hpp"
 
 #include "preprocessing/run_datum.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bags/bag_chunk.hpp"
 
+#include <memory>
 #include <new>
 
 #include <bzlib.h>
@@ -15,27 +16,19 @@ namespace {
 
 [[noreturn]] void fail() { throw InputError("a chunk is damaged"); }
 
-struct Lz4Context {
-  LZ4F_dctx* get = nullptr;
-
-  Lz4Context() {
-    if (LZ4F_isError(LZ4F_createDecompressionContext(&get, LZ4F_VERSION)) != 0) {
-      throw std::bad_alloc();
-    }
-  }
-  ~Lz4Context() { LZ4F_freeDecompressionContext(get); }
-  Lz4Context(const Lz4Context&) = delete;
-  Lz4Context& operator=(const Lz4Context&) = delete;
-};
-
 /// The library compares the checksums of header, blocks and content.
 void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
-  const Lz4Context context;
+  LZ4F_dctx* made = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION)) != 0) {
+    throw std::bad_alloc();
+  }
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
+      made, LZ4F_freeDecompressionContext);
   std::size_t wanted = 1;
   while (wanted != 0) {
     std::size_t read = data.size;
     std::size_t written = size;
-    wanted = LZ4F_decompress(context.get, to, &written, data.first, &read, nullptr);
+    wanted = LZ4F_decompress(context.get(), to, &written, data.first, &read, nullptr);
     if (LZ4F_isError(wanted) != 0) fail();
     if (wanted != 0 && read == 0 && written == 0) fail();  // cut off, or longer than it says
     data = {data.first + read, data.size - read};

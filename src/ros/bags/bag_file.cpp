@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bags/bag_file.hpp"
-
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -13,6 +11,7 @@
 
 #include "bags/bag_chunk.hpp"
 #include "bags/file_bytes.hpp"
+#include "bags/recording_formats.hpp"
 
 namespace lidar_mapping::ros_border {
 

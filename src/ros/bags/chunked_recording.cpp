@@ -3,8 +3,7 @@
 
 #include "lidar_mapping/common/text.hpp"
 
-#include "bags/bag_file.hpp"
-#include "bags/mcap_file.hpp"
+#include "bags/recording_formats.hpp"
 
 namespace lidar_mapping::ros_border {
 

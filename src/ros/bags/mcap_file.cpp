@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bags/mcap_file.hpp"
-
 #include <algorithm>
 #include <limits>
 
@@ -9,6 +7,7 @@
 #include "bags/cdr_message.hpp"
 #include "bags/file_bytes.hpp"
 #include "bags/mcap_index.hpp"
+#include "bags/recording_formats.hpp"
 #include "bags/ros2_types.hpp"
 
 namespace lidar_mapping::ros_border {

@@ -48,7 +48,7 @@ std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded) {
   // Bytes of the shortest, by the format of geometry_msgs/TransformStamped: two empty names, number
   // and stamp, translation and rotation.
   constexpr std::uint32_t kShortest = 4 + 8 + 4 + 4 + 7 * 8;
-  ros::serialization::IStream stream = recorded.stream();
+  ros::serialization::IStream stream = stream_of(recorded.data);
   array_length(stream, kShortest);
   return recorded.instantiate<tf2_msgs::TFMessage>();
 }
@@ -82,15 +82,8 @@ bool RecordedFrames::is_repeated(const geometry_msgs::TransformStamped& transfor
   return is_repeated;
 }
 
-std::optional<Pose> RecordedFrames::T_base(const std::string& frame) const {
-  return look_up(frame, ros::Time(0));
-}
-
 std::optional<Pose> RecordedFrames::T_base(const std::string& frame, Stamp stamp) const {
-  return look_up(frame, to_ros(stamp));
-}
-
-std::optional<Pose> RecordedFrames::look_up(const std::string& frame, const ros::Time& time) const {
+  const ros::Time time = to_ros(stamp);
   if (frame == base_frame_) return Pose::Identity();
   try {
     return from_message(frames_.lookupTransform(base_frame_, frame, time).transform);

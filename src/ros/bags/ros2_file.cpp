@@ -37,7 +37,7 @@ bool begins_with(const std::string& text, const std::string& with) {
 class Ros2File::Statement {
  public:
   Statement(const Ros2File& file, const std::string& query) : file_(file) {
-    auto* database = static_cast<sqlite3*>(file.database_);
+    sqlite3* database = file.database_.get();
     if (sqlite3_prepare_v2(database, query.c_str(), -1, &statement_, nullptr) != SQLITE_OK) {
       file.fail(sqlite3_errmsg(database));
     }
@@ -81,29 +81,15 @@ bool Ros2File::is_one(const std::string& path) {
 }
 
 Ros2File::Ros2File(const std::string& path, const WantedTopics& topics) : path_(path) {
-  open();
-  try {
-    read_topics(topics);
-    count_messages();
-  } catch (...) {
-    sqlite3_close(static_cast<sqlite3*>(database_));
-    throw;
-  }
-}
-
-Ros2File::~Ros2File() {
-  reading_.reset();
-  sqlite3_close(static_cast<sqlite3*>(database_));
-}
-
-void Ros2File::open() {
   sqlite3* database = nullptr;
-  const int result = sqlite3_open_v2(path_.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
-  database_ = database;
-  if (result == SQLITE_OK) return;
-  sqlite3_close(database);
-  fail(sqlite3_errstr(result));
+  const int result = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+  database_.reset(database, sqlite3_close);
+  if (result != SQLITE_OK) fail(sqlite3_errstr(result));
+  read_topics(topics);
+  count_messages();
 }
+
+Ros2File::~Ros2File() = default;
 
 void Ros2File::fail(const std::string& reason) const {
   throw FileError("cannot read the recording " + path_ + ": " + reason +

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/moving_frame.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <optional>
 

@@ -9,17 +9,17 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-bool is_published(const std::string& topic, const std::vector<PublishedTopic>& published) {
+bool is_published(const std::string& topic, const ros::master::V_TopicInfo& published) {
   return std::any_of(published.begin(), published.end(),
-                     [&](const PublishedTopic& other) { return other.name == topic; });
+                     [&](const ros::master::TopicInfo& other) { return other.name == topic; });
 }
 
-std::string candidates(const OptionalInput& input, const std::vector<PublishedTopic>& published,
+std::string candidates(const OptionalInput& input, const ros::master::V_TopicInfo& published,
                        const std::set<std::string>& own) {
   std::vector<std::string> list;
-  for (const PublishedTopic& other : published) {
-    if (!contains(input.types, other.type) || own.count(other.name) > 0) continue;
-    list.push_back(other.name + " (" + other.type + ")");
+  for (const ros::master::TopicInfo& other : published) {
+    if (!contains(input.types, other.datatype) || own.count(other.name) > 0) continue;
+    list.push_back(other.name + " (" + other.datatype + ")");
   }
   return joined(list);
 }
@@ -37,7 +37,7 @@ void OverlookedSensors::mark_received(const std::string& input) {
 }
 
 std::map<std::string, std::string> OverlookedSensors::search(
-    const std::vector<PublishedTopic>& published) {
+    const ros::master::V_TopicInfo& published) {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::map<std::string, std::string> lines;
   for (const OptionalInput& input : inputs_) {

@@ -11,7 +11,6 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
 
-#include "clouds/cloud_fields.hpp"
 #include "clouds/point_fields.hpp"
 
 namespace lidar_mapping::ros_border {

@@ -7,8 +7,7 @@
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
-#include "clouds/hesai_scan.hpp"
-#include "clouds/velodyne_scan.hpp"
+#include "clouds/driver_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -30,9 +29,10 @@ CloudReader::CloudReader(const preprocessing::PreprocessingConfig& config)
           calibration_in(config.velodyne_calibration, preprocessing::read_velodyne_calibration)),
       hesai_(calibration_in(config.hesai_calibration, preprocessing::read_hesai_calibration)) {}
 
-DecodedCloud CloudReader::read(const RecordedCloud& cloud, PointCloud buffer) const {
-  if (cloud.holds_packets()) return read_packets(cloud, std::move(buffer));
-  return decode(cloud.view(), config_, std::move(buffer));
+DecodedCloud CloudReader::read(const RecordedCloud& cloud) const {
+  DecodedCloud result = read_lazily(cloud);
+  result.scan.unpack();
+  return result;
 }
 
 DecodedCloud CloudReader::read_lazily(const RecordedCloud& cloud, PointCloud buffer) const {

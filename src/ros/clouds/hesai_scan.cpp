@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/hesai_scan.hpp"
-
 #include <algorithm>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "bags/wire_array.hpp"
+#include "clouds/driver_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -45,7 +44,9 @@ void complete(std_msgs::Header& header, const TimedPacket& packet) {
   if (header.frame_id.empty()) header.frame_id = preprocessing::hesai_model_name(packet.packet);
 }
 
-RecordedCloud read_scan(IStream stream, PacketLayout layout) {
+}  // namespace
+
+RecordedCloud read_pandar_scan(IStream stream, PacketLayout layout) {
   RecordedCloud cloud;
   cloud.packets = layout;
   stream.next(cloud.message.header);
@@ -60,20 +61,8 @@ RecordedCloud read_scan(IStream stream, PacketLayout layout) {
   return cloud;
 }
 
-}  // namespace
-
-RecordedCloud read_pandar_scan_in_places(IStream stream) {
-  return read_scan(stream, PacketLayout::kHesaiInPlaces);
-}
-
-RecordedCloud read_pandar_scan_in_sizes(IStream stream) {
-  return read_scan(stream, PacketLayout::kHesaiInSizes);
-}
-
 std::vector<HesaiPacket> hesai_packets(const RecordedCloud& cloud) {
-  // The library takes its input as uint8_t*, but leaves it as it is.
-  IStream stream(const_cast<std::uint8_t*>(cloud.data.first),
-                 static_cast<std::uint32_t>(cloud.data.size));
+  IStream stream = stream_of(cloud.data);
   std::vector<HesaiPacket> packets;
   while (stream.getLength() > 0) packets.push_back(next_packet(stream, cloud.packets).packet);
   return packets;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/livox_cloud.hpp"
-
 #include "bags/wire_array.hpp"
-#include "clouds/cloud_fields.hpp"
+#include "clouds/driver_messages.hpp"
+#include "clouds/point_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 

@@ -8,7 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
-#include "clouds/cloud_fields.hpp"
+#include "clouds/point_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 

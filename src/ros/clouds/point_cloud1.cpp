@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/point_cloud1.hpp"
-
 #include <cstring>
 
 #include "bags/wire_array.hpp"
-#include "clouds/cloud_fields.hpp"
+#include "clouds/driver_messages.hpp"
+#include "clouds/point_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 

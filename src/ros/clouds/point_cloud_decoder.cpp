@@ -116,9 +116,16 @@ void add_seam(const PointCloud& cloud, preprocessing::CloudSummary& summary) {
   }
 }
 
-/// Points of the usual layout are left where they are.
-DecodedCloud decode_in_place(const CloudView& message,
-                             const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
+}  // namespace
+
+DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config) {
+  DecodedCloud result = decode_lazily(message, nullptr, config);
+  result.scan.unpack();
+  return result;
+}
+
+DecodedCloud decode_lazily(const CloudView& message, std::shared_ptr<const void> memory,
+                           const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
   DecodedCloud result;
   PointCloud& cloud = result.scan.cloud;
   result.scan.stamp = from_ros(message.header.stamp);
@@ -131,6 +138,7 @@ DecodedCloud decode_in_place(const CloudView& message,
   if (intensity != nullptr) result.format.intensity_field = intensity->name;
   result.scan.packed = packed_points(message, intensity);
   if (result.scan.packed) {
+    result.scan.packed->memory = std::move(memory);
     cloud.points.resize(std::size_t{message.width} * message.height);
   } else {
     cloud.points.assign(std::size_t{message.width} * message.height, Point{});
@@ -143,28 +151,6 @@ DecodedCloud decode_in_place(const CloudView& message,
   const auto span = read_usual_times(message, is_single ? times->first : nullptr, cloud.times);
   if (times) decode_times(message, *times, config, span, result);
   return result;
-}
-
-}  // namespace
-
-DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
-                    PointCloud buffer) {
-  DecodedCloud result = decode_in_place(message, config, std::move(buffer));
-  result.scan.unpack();
-  return result;
-}
-
-DecodedCloud decode_lazily(const CloudView& message, std::shared_ptr<const void> memory,
-                           const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
-  DecodedCloud result = decode_in_place(message, config, std::move(buffer));
-  if (result.scan.packed) result.scan.packed->memory = std::move(memory);
-  return result;
-}
-
-DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
-                           const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
-  return decode_lazily(*message, {message.get(), [message](const void*) {}}, config,
-                       std::move(buffer));
 }
 
 preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCloud& decoded) {

@@ -95,6 +95,23 @@ void check_size(const CloudView& message) {
                    " points need; the message was cut off");
 }
 
+void set_layout(sensor_msgs::PointCloud2& message, const std::vector<FieldLayout>& fields,
+                std::uint32_t point_step, std::uint32_t count) {
+  message.fields.clear();
+  for (const FieldLayout& layout : fields) {
+    sensor_msgs::PointField field;
+    field.name = layout.name;
+    field.datatype = layout.datatype;
+    field.offset = layout.offset;
+    field.count = 1;
+    message.fields.push_back(field);
+  }
+  message.height = 1;
+  message.width = count;
+  message.point_step = point_step;
+  message.row_step = point_step * count;
+}
+
 bool is_contiguous(const CloudView& message) {
   return message.height == 1 || message.row_step == std::size_t{message.width} * message.point_step;
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/common/number_bytes.hpp"
 #include "lidar_mapping/ros/cloud_view.hpp"
@@ -25,6 +26,17 @@ inline constexpr std::array kTimeNames = {
 // Datatypes of fields of eight bytes, which sensor_msgs lacks, by PCL (pcl/type_traits.h).
 constexpr std::uint8_t kPclInt64 = 9;
 constexpr std::uint8_t kPclUint64 = 10;
+
+/// A field of a point: name, datatype of sensor_msgs/PointField, bytes from the point's beginning.
+struct FieldLayout {
+  std::string name;
+  std::uint8_t datatype;
+  std::uint32_t offset;
+};
+
+/// Describes `count` points of `point_step` bytes in one row.
+void set_layout(sensor_msgs::PointCloud2& message, const std::vector<FieldLayout>& fields,
+                std::uint32_t point_step, std::uint32_t count);
 
 /// Bytes of a number of that type; 0 for an unknown one.
 std::size_t size_of(std::uint8_t datatype);

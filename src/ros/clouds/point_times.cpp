@@ -48,12 +48,22 @@ struct Bounds {
   double max = -std::numeric_limits<double>::infinity();
 };
 
-Bounds bounds_of(const CloudView& message, const TimeFields& fields, double base) {
+/// A clock that began anew during the scan. Counts below the half of a round are one round later.
+struct Round {
+  double half = -std::numeric_limits<double>::infinity();
+  double length = 0.0;  ///< in the unit of the field
+
+  double unrolled(double count) const { return count < half ? count + length : count; }
+};
+
+/// Bounds of the times as if the clock had gone on.
+Bounds bounds_of(const CloudView& message, const TimeFields& fields, double base,
+                 const Round& round = {}) {
   Bounds bounds;
   for_each_time(message, fields, base, [&](double value, std::size_t) {
     if (!std::isfinite(value)) return;
-    bounds.min = value < bounds.min ? value : bounds.min;
-    bounds.max = value > bounds.max ? value : bounds.max;
+    bounds.min = std::min(bounds.min, round.unrolled(value));
+    bounds.max = std::max(bounds.max, round.unrolled(value));
   });
   return bounds;
 }
@@ -79,25 +89,6 @@ std::optional<Unit> fitting_unit(const TimeFields& fields, const Bounds& bounds,
   return std::nullopt;
 }
 
-/// A clock that began anew during the scan. Counts below the half of a round are one round later.
-struct Round {
-  double half = -std::numeric_limits<double>::infinity();
-  double length = 0.0;  ///< in the unit of the field
-
-  double unrolled(double count) const { return count < half ? count + length : count; }
-};
-
-/// Bounds of the times as if the clock had gone on.
-Bounds unrolled_bounds(const CloudView& message, const TimeFields& fields, const Round& round) {
-  Bounds bounds;
-  for_each_time(message, fields, 0.0, [&](double value, std::size_t) {
-    if (!std::isfinite(value)) return;
-    bounds.min = std::min(bounds.min, round.unrolled(value));
-    bounds.max = std::max(bounds.max, round.unrolled(value));
-  });
-  return bounds;
-}
-
 /// How the counts of a scan are to be read.
 struct ScanCounts {
   Round round;  ///< of a clock that began anew
@@ -118,7 +109,7 @@ std::optional<ScanCounts> broken_scan(const CloudView& message, const TimeFields
                                 bounds.max > length - near;
       if (!reaches_both) continue;
       const Round round{0.5 * length, length};
-      const Bounds unrolled = unrolled_bounds(message, fields, round);
+      const Bounds unrolled = bounds_of(message, fields, 0.0, round);
       if (is_span_of_scan((unrolled.max - unrolled.min) * unit.seconds, config.scan_period)) {
         return ScanCounts{round, unit, unrolled};
       }

@@ -9,10 +9,7 @@
 #include "lidar_mapping/ros/cloud_types.hpp"
 
 #include "bags/wire_array.hpp"
-#include "clouds/hesai_scan.hpp"
-#include "clouds/livox_cloud.hpp"
-#include "clouds/point_cloud1.hpp"
-#include "clouds/velodyne_scan.hpp"
+#include "clouds/driver_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -36,6 +33,11 @@ RecordedCloud read_point_cloud2(ros::serialization::IStream stream) {
   return cloud;
 }
 
+template <PacketLayout layout>
+RecordedCloud read_pandar(ros::serialization::IStream stream) {
+  return read_pandar_scan(stream, layout);
+}
+
 /// A type of message with one of its definitions, and how a cloud is read from it.
 struct Reader {
   CloudType type;
@@ -53,10 +55,10 @@ const std::vector<Reader>& readers() {
       {{"livox_ros_driver/CustomMsg", livox}, read_livox_cloud},
       {{"livox_ros_driver2/CustomMsg", livox}, read_livox_cloud},
       {{"velodyne_msgs/VelodyneScan", "50804fc9533a0e579e6322c04ae70566"}, read_velodyne_scan},
-      {{"hesai_lidar/PandarScan", kPandarScanInSizes}, read_pandar_scan_in_sizes},
-      {{"hesai_lidar/PandarScan", kPandarScanInPlaces}, read_pandar_scan_in_places},
-      {{"pandar_msgs/PandarScan", kPandarScanInPlaces}, read_pandar_scan_in_places},
-      {{"pandar_msgs/PandarScan", kPandarScanInSizes}, read_pandar_scan_in_sizes},
+      {{"hesai_lidar/PandarScan", kPandarScanInSizes}, read_pandar<PacketLayout::kHesaiInSizes>},
+      {{"hesai_lidar/PandarScan", kPandarScanInPlaces}, read_pandar<PacketLayout::kHesaiInPlaces>},
+      {{"pandar_msgs/PandarScan", kPandarScanInPlaces}, read_pandar<PacketLayout::kHesaiInPlaces>},
+      {{"pandar_msgs/PandarScan", kPandarScanInSizes}, read_pandar<PacketLayout::kHesaiInSizes>},
       {{"sensor_msgs/PointCloud", MD5Sum<sensor_msgs::PointCloud>::value()}, read_point_cloud1}};
   return all;
 }
@@ -78,9 +80,7 @@ RecordedCloud read_cloud(const std::string& type, const std::string& md5sum, Byt
                          std::shared_ptr<const void> memory) {
   for (const Reader& reader : readers()) {
     if (type != reader.type.name || md5sum != reader.type.md5sum) continue;
-    // The library takes its input as uint8_t*, but leaves it as it is.
-    RecordedCloud cloud =
-        reader.read({const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)});
+    RecordedCloud cloud = reader.read(stream_of(data));
     if (!cloud.memory) cloud.memory = std::move(memory);
     return cloud;
   }

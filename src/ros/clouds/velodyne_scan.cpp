@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/velodyne_scan.hpp"
-
 #include <cstring>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "bags/wire_array.hpp"
+#include "clouds/driver_messages.hpp"
 
 namespace lidar_mapping::ros_border {
 

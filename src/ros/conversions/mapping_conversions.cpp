@@ -24,6 +24,20 @@ Covariance6 checked_covariance(const CovarianceArray& values, const std::string&
   return covariance;
 }
 
+/// Copies what a verdict and its message have alike.
+template <typename From, typename To>
+void copy_figures(const From& from, To& to) {
+  to.from = from.from;
+  to.to = from.to;
+  to.reason = from.reason;
+  to.distance = from.distance;
+  to.fitness = from.fitness;
+  to.overlap = from.overlap;
+  to.free_space_violation = from.free_space_violation;
+  to.horizontal_eigenvalue = from.horizontal_eigenvalue;
+  to.innovation = from.innovation;
+}
+
 }  // namespace
 
 KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
@@ -120,34 +134,18 @@ LoopVerdictMessage to_message(const LoopVerdict& verdict, const std::string& run
   LoopVerdictMessage message;
   message.header = header_of(verdict.stamp, base_frame);
   message.run_id = run_id;
-  message.from = verdict.from;
-  message.to = verdict.to;
   message.source = to_string(verdict.source);
   message.verdict = to_string(verdict.verdict);
-  message.reason = verdict.reason;
-  message.distance = verdict.distance;
-  message.fitness = verdict.fitness;
-  message.overlap = verdict.overlap;
-  message.free_space_violation = verdict.free_space_violation;
-  message.horizontal_eigenvalue = verdict.horizontal_eigenvalue;
-  message.innovation = verdict.innovation;
+  copy_figures(verdict, message);
   return message;
 }
 
 LoopVerdict from_message(const LoopVerdictMessage& message) {
   LoopVerdict verdict;
-  verdict.from = message.from;
-  verdict.to = message.to;
   verdict.stamp = from_ros(message.header.stamp);
   verdict.source = loop_source_from(message.source);
   verdict.verdict = verdict_from(message.verdict);
-  verdict.reason = message.reason;
-  verdict.distance = message.distance;
-  verdict.fitness = message.fitness;
-  verdict.overlap = message.overlap;
-  verdict.free_space_violation = message.free_space_violation;
-  verdict.horizontal_eigenvalue = message.horizontal_eigenvalue;
-  verdict.innovation = message.innovation;
+  copy_figures(message, verdict);
   return verdict;
 }
 

@@ -26,9 +26,7 @@ std::string ouster_name(const std::string& topic, const std::string& kind) {
 }
 
 ByteRange ouster_packet_in(ByteRange message) {
-  // The library takes its input as uint8_t*, but leaves it as it is.
-  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.first),
-                                     static_cast<std::uint32_t>(message.size));
+  ros::serialization::IStream stream = stream_of(message);
   return array_bytes(stream);
 }
 

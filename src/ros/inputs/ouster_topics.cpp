@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <utility>
 
 #include <sensor_msgs/Imu.h>
 #include <std_msgs/String.h>
@@ -25,9 +24,11 @@ namespace traits = ros::message_traits;
 /// Largest drift of a quartz, s/s. Chosen: ten times that of the data sheets of usual ones.
 constexpr double kLargestDrift = 1e-3;
 
-bool has(const std::vector<BagTopic>& topics, const std::string& name, const std::string& type) {
+/// Whether a topic of that name is recorded, if need be with messages of that type.
+bool has(const std::vector<BagTopic>& topics, const std::string& name,
+         const std::string& type = "") {
   return std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
-    return topic.name == name && topic.type == type;
+    return topic.name == name && (type.empty() || topic.type == type);
   });
 }
 
@@ -129,14 +130,13 @@ OusterTopics::OusterTopics(const std::vector<std::string>& paths,
     for (const char* kind : {kOusterPoints, kOusterImu}) {
       const std::string name = ouster_name(topic, kind);
       if (name.empty() || sensors_.count(name) > 0) continue;
+      const std::string metadata = "the metadata of the Ouster on " + name + kOusterMetadata;
       try {
         add_sensor(paths, name);
       } catch (const InputError& error) {
-        problems_.push_back("the metadata of the Ouster on " + name + kOusterMetadata +
-                            " cannot be used: " + error.what());
+        problems_.push_back(metadata + " cannot be used: " + error.what());
       } catch (const ros::Exception&) {
-        problems_.push_back("the metadata of the Ouster on " + name + kOusterMetadata +
-                            " are cut off");
+        problems_.push_back(metadata + " are cut off");
       }
     }
   }
@@ -149,21 +149,17 @@ void OusterTopics::add_sensor(const std::vector<std::string>& paths, const std::
   set_type<sensor_msgs::PointCloud2>(sensor.points);
   set_type<sensor_msgs::Imu>(sensor.imu);
   const std::vector<BagTopic> topics = BagSet(paths).topics();
-  const auto is_recorded = [&](const std::string& topic) {
-    return std::any_of(topics.begin(), topics.end(),
-                       [&](const BagTopic& there) { return there.name == topic; });
-  };
-  if (is_recorded(name + kOusterPoints) && is_recorded(name + kOusterMetadata)) {
+  if (has(topics, sensor.points.topic) && has(topics, name + kOusterMetadata)) {
     sensor.turns.emplace(
         preprocessing::OusterDecoder(ouster_format(text_on(paths, name + kOusterMetadata))));
     const preprocessing::OusterDecoder& decoder = sensor.turns->decoder();
-    sensor.clock = clock_of(paths, name + kOusterPoints, [&](const BagMessage& message) {
+    sensor.clock = clock_of(paths, sensor.points.topic, [&](const BagMessage& message) {
       const ByteRange packet = ouster_packet_in(message.data);
       if (packet.size < decoder.packet_size()) throw InputError("a packet is cut off");
       return decoder.last_stamp(packet.first);
     });
-  } else if (is_recorded(name + kOusterImu)) {
-    sensor.clock = clock_of(paths, name + kOusterImu, [](const BagMessage& message) {
+  } else if (has(topics, sensor.imu.topic)) {
+    sensor.clock = clock_of(paths, sensor.imu.topic, [](const BagMessage& message) {
       return ouster_imu_in(ouster_packet_in(message.data)).stamp;
     });
   }

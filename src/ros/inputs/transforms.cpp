@@ -55,9 +55,4 @@ std::optional<GnssPosition> gnss_position(const nav_msgs::Odometry& message,
   return from_message(message, T_base_antenna->translation);
 }
 
-void TransformPublisher::send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
-                              const std::string& child) {
-  broadcaster_.sendTransform(stamped_transform(T_parent_child, stamp, parent, child));
-}
-
 }  // namespace lidar_mapping::ros_border

@@ -37,23 +37,12 @@ void prepare_log() {
   ros::param::getCached("/rosout_disable_topics_generation", is_disabled);
 }
 
-/// Stops the worker at the end of a scope, also if that is left by an exception.
-class StopAtEnd {
- public:
-  explicit StopAtEnd(Worker& worker) : worker_(worker) {}
-  ~StopAtEnd() { worker_.stop(); }
-  StopAtEnd(const StopAtEnd&) = delete;
-  StopAtEnd& operator=(const StopAtEnd&) = delete;
-
- private:
-  Worker& worker_;
-};
-
 void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
   NodeContext context;
   const std::shared_ptr<void> node = make(context);
   if (!node) return;
-  const StopAtEnd stop(context.worker);  // before the node, which the worker's tasks use, is gone
+  // Stops it before the node, which its tasks use, is gone.
+  const std::shared_ptr<Worker> worker(&context.worker, [](Worker* stopped) { stopped->stop(); });
   ros::spin();
 }
 
@@ -96,10 +85,9 @@ NodeOptions start_ros(int argc, char** argv, const std::string& name, const std:
                    "` prints them.",
                name);
   NodeOptions options;
-  bool stay = false;
   app.add_flag("--print-config", options.print_config,
                "Print the configuration in force as YAML and end (asks the ROS master)");
-  app.add_flag("--stay-on-error", stay,
+  app.add_flag("--stay-on-error", options.stay_on_error,
                "If the node cannot start, log the reason and wait until it is shut down; for "
                "launch files that would start it again");
   try {
@@ -107,11 +95,10 @@ NodeOptions start_ros(int argc, char** argv, const std::string& name, const std:
   } catch (const CLI::ParseError& error) {
     options.exit_status = app.exit(error);
   }
-  if (stay) options.on_error = OnError::kStay;
   return options;
 }
 
-int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error) {
+int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, bool stay_on_error) {
   // As long as there is a node handle, roscpp and its log keep running.
   const ros::NodeHandle log_handle;
   prepare_log();
@@ -120,7 +107,7 @@ int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError 
     return 0;
   } catch (const Error& error) {
     log_fatal(error.what());
-    if (on_error == OnError::kStay) idle_with_error(error.what());
+    if (stay_on_error) idle_with_error(error.what());
   } catch (const std::exception& error) {
     log_fatal(std::string("unexpected error: ") + error.what());
   }

@@ -47,16 +47,16 @@ void Worker::set_idle_task(std::chrono::milliseconds after, Task task) {
   idle_task_ = std::move(task);
 }
 
-void Worker::set_on_stop(OnStop policy) {
+void Worker::drain_on_stop() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  on_stop_ = policy;
+  drains_on_stop_ = true;
 }
 
 void Worker::stop() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
-    if (on_stop_ == OnStop::kDiscard) discard_all();
+    if (!drains_on_stop_) discard_all();
   }
   wake_.notify_one();
   if (thread_.joinable()) thread_.join();
