@@ -167,13 +167,17 @@ void FactorGraph::set_pose(int node, const Pose& pose) {
   states[node] = planar ? to_planar_block(pose) : to_block(pose);
 }
 
-double chi2(const FactorGraph& graph, const Constraint& constraint) {
-  const std::size_t second =
-      static_cast<std::size_t>(constraint.is_binary() ? constraint.second : constraint.first);
+void evaluate(const FactorGraph& graph, const Constraint& constraint, double* residual,
+              double** jacobians) {
+  const int second = constraint.is_binary() ? constraint.second : constraint.first;
   const std::array<const double*, 2> blocks = {graph.states[constraint.first].data(),
                                                graph.states[second].data()};
+  constraint.residual->Evaluate(blocks.data(), residual, jacobians);
+}
+
+double chi2(const FactorGraph& graph, const Constraint& constraint) {
   std::array<double, kMaxResidualRows> residual{};
-  constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
+  evaluate(graph, constraint, residual.data(), nullptr);
   double sum = 0.0;
   for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {
     sum += residual[i] * residual[i];
