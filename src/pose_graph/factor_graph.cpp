@@ -65,6 +65,20 @@ class ConvergenceCallback : public ceres::IterationCallback {
   double last_gain_ = 0.0;
 };
 
+/// Options of a problem that does not own its cost functions, losses and manifolds.
+ceres::Problem::Options non_owning_problem_options() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+#if LIDAR_MAPPING_CERES_HAS_MANIFOLD
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+#else
+  options.local_parameterization_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+#endif
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
 /// The Ceres problem of a graph; it is built and solved once.
 class GraphProblem {
  public:
@@ -106,7 +120,7 @@ class GraphProblem {
     if (graph_.planar) {
       problem_.AddParameterBlock(state, kPlanarBlockSize);
     } else {
-      add_pose_block(problem_, state, update_);
+      problem_.AddParameterBlock(state, kPoseBlockSize, &update_);
     }
     if (graph_.fixed[slot]) problem_.SetParameterBlockConstant(state);
     return state;
