@@ -130,8 +130,12 @@ void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record
     impl_->insert("INSERT", "poses", cells);
   }
   impl_->database.run("DELETE FROM poses WHERE revision <= ?", {revision - kKeptRevisions});
-  impl_->insert("INSERT OR REPLACE", "revisions", to_cells(record));
+  set_revision(record);
   transaction.commit();
+}
+
+void Session::set_revision(const RevisionRecord& record) {
+  impl_->insert("INSERT OR REPLACE", "revisions", to_cells(record));
 }
 
 void Session::set_run_id(const std::string& run_id) {

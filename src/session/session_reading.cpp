@@ -77,7 +77,7 @@ std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
 KeyFramePoses Session::poses() const {
   KeyFramePoses poses;
   // While this statement lives, both see the session as it was when the first one began.
-  Statement newest = impl_->database.query("SELECT MAX(revision) FROM revisions");
+  Statement newest = impl_->database.query("SELECT MAX(revision) FROM poses");
   if (!newest.step()) return poses;
   poses.revision =
       static_cast<std::uint32_t>(newest.read_integer(0, std::numeric_limits<std::uint32_t>::max()));
