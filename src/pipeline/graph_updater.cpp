@@ -13,12 +13,6 @@ namespace {
 /// that the stage does not have to wait.
 std::size_t solution_delay(std::size_t key_frames) { return 4 + key_frames / 250; }
 
-/// Whether to store the poses: each time the drive has grown by a twentieth. A session that was
-/// interrupted is optimised again anyway.
-bool should_store_poses(std::size_t key_frames, std::size_t stored_at) {
-  return key_frames >= stored_at + 20 + stored_at / 20;
-}
-
 /// Size of the cache of clouds in bytes. It shrinks as graph, solutions and loop search need more
 /// memory for each key frame. A quarter remains, because the cache holds the clouds between two
 /// stages, too. Loop closing does not depend on it, even in a drive of hours, because it keeps
@@ -36,8 +30,7 @@ GraphUpdater::GraphUpdater(session::Session session, const back_end::BackEndConf
     : recorded_back_end_(std::move(session), config),
       policy_(in_background ? std::launch::async : std::launch::deferred),
       feedback_(feedback),
-      key_frames_(recorded_back_end_.session().key_frame_count()),
-      stored_at_(key_frames_) {}
+      key_frames_(recorded_back_end_.session().key_frame_count()) {}
 
 void GraphUpdater::add(const DriveChunk& chunk) try {
   record(chunk);
@@ -89,10 +82,8 @@ void GraphUpdater::start_optimization(bool thorough) {
 MovedPoses GraphUpdater::apply_solution() {
   const TimedSolution result = pending_.get();
   optimization_seconds_ += result.seconds;
-  const bool store_poses = should_store_poses(key_frames_, stored_at_);
-  if (store_poses) stored_at_ = key_frames_;
   return std::make_shared<const KeyFramePoses>(
-      recorded_back_end_.apply(*result.solution, 0.0, store_poses).poses);
+      recorded_back_end_.apply(*result.solution, 0.0, PoseStorage::kWhenGrown).poses);
 }
 
 back_end::OptimizationReport GraphUpdater::finish() {

@@ -47,8 +47,6 @@ class GraphUpdater {
   std::size_t key_frames_ = 0;
   std::future<TimedSolution> pending_;
   std::size_t apply_at_ = 0;  ///< Number of key frames at which the current solution is applied.
-  /// Number of key frames when the poses were last stored in the session.
-  std::size_t stored_at_ = 0;
   double optimization_seconds_ = 0.0;
 };
 

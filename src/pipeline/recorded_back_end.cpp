@@ -38,6 +38,11 @@ LoopVerdict verdict_on(const Loop& loop, bool used) {
                                    reason_of(loop, used));
 }
 
+/// Whether to store that many poses: each time the drive has grown by a twentieth, so that the
+/// time for it stays in proportion to the drive. A session that was interrupted is optimised again
+/// anyway.
+bool are_due(std::size_t poses, std::size_t stored) { return poses >= stored + 20 + stored / 20; }
+
 }  // namespace
 
 RecordedBackEnd::RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config)
@@ -48,7 +53,9 @@ RecordedBackEnd::RecordedBackEnd(session::Session session, const back_end::BackE
 void RecordedBackEnd::resume() {
   replay(session_, back_end_);
   back_end_.apply(*back_end::solve(*back_end_.problem(true)));
-  first_revision_ = session_.poses().revision;
+  stored_poses_ = session_.key_frame_count();
+  const auto revisions = session_.revisions();
+  if (!revisions.empty()) first_revision_ = revisions.back().revision;
   for (const auto& [loop, used] : back_end_.loops()) {
     last_verdicts_.push_back(used ? Verdict::kAccepted : Verdict::kRefused);
     loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
@@ -101,13 +108,17 @@ void RecordedBackEnd::add_floor(const Floor& floor) {
 }
 
 AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& solution,
-                                       double seconds, bool store_poses) {
+                                       double seconds, PoseStorage storage) {
   back_end_.apply(solution);
   AppliedSolution applied;
   applied.poses = poses();
-  if (store_poses) {
-    session_.set_poses(applied.poses,
-                       record_of(back_end::report_of(solution), applied.poses.revision, seconds));
+  const session::RevisionRecord record =
+      record_of(back_end::report_of(solution), applied.poses.revision, seconds);
+  if (storage == PoseStorage::kAlways || are_due(applied.poses.poses.size(), stored_poses_)) {
+    store_poses(applied.poses, record);
+  } else {
+    session_.set_revision(record);
+    unstored_ = record;
   }
   const std::vector<LoopVerdict> all = verdicts();
   last_verdicts_.resize(all.size(), Verdict::kUndecided);
@@ -118,6 +129,13 @@ AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& sol
     applied.verdicts.push_back(all[i]);
   }
   return applied;
+}
+
+void RecordedBackEnd::store_poses(const KeyFramePoses& poses,
+                                  const session::RevisionRecord& record) {
+  session_.set_poses(poses, record);
+  stored_poses_ = poses.poses.size();
+  unstored_.reset();
 }
 
 KeyFrameIndex RecordedBackEnd::searched_key_frames() const {
@@ -146,7 +164,8 @@ std::vector<LoopVerdict> RecordedBackEnd::verdicts() const {
   return verdicts;
 }
 
-std::vector<std::string> RecordedBackEnd::write_files() const {
+std::vector<std::string> RecordedBackEnd::write_files() {
+  if (unstored_) store_poses(poses(), *unstored_);
   return warnings(write_results(session_, back_end_, poses(), session_.directory()));
 }
 

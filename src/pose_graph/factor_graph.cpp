@@ -65,6 +65,20 @@ class ConvergenceCallback : public ceres::IterationCallback {
   double last_gain_ = 0.0;
 };
 
+/// Options of a problem that does not own its cost functions, losses and manifolds.
+ceres::Problem::Options non_owning_problem_options() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+#if LIDAR_MAPPING_CERES_HAS_MANIFOLD
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+#else
+  options.local_parameterization_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+#endif
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
 /// The Ceres problem of a graph; it is built and solved once.
 class GraphProblem {
  public:
@@ -106,7 +120,7 @@ class GraphProblem {
     if (graph_.planar) {
       problem_.AddParameterBlock(state, kPlanarBlockSize);
     } else {
-      add_pose_block(problem_, state, update_);
+      problem_.AddParameterBlock(state, kPoseBlockSize, &update_);
     }
     if (graph_.fixed[slot]) problem_.SetParameterBlockConstant(state);
     return state;
@@ -167,13 +181,17 @@ void FactorGraph::set_pose(int node, const Pose& pose) {
   states[node] = planar ? to_planar_block(pose) : to_block(pose);
 }
 
-double chi2(const FactorGraph& graph, const Constraint& constraint) {
-  const std::size_t second =
-      static_cast<std::size_t>(constraint.is_binary() ? constraint.second : constraint.first);
+void evaluate(const FactorGraph& graph, const Constraint& constraint, double* residual,
+              double** jacobians) {
+  const int second = constraint.is_binary() ? constraint.second : constraint.first;
   const std::array<const double*, 2> blocks = {graph.states[constraint.first].data(),
                                                graph.states[second].data()};
+  constraint.residual->Evaluate(blocks.data(), residual, jacobians);
+}
+
+double chi2(const FactorGraph& graph, const Constraint& constraint) {
   std::array<double, kMaxResidualRows> residual{};
-  constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
+  evaluate(graph, constraint, residual.data(), nullptr);
   double sum = 0.0;
   for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {
     sum += residual[i] * residual[i];

@@ -83,21 +83,4 @@ bool TangentUpdate::ComputeJacobian(const double*, double* jacobian) const {
 
 #endif
 
-void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& update) {
-  problem.AddParameterBlock(block, kPoseBlockSize, &update);
-}
-
-ceres::Problem::Options non_owning_problem_options() {
-  ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-#if LIDAR_MAPPING_CERES_HAS_MANIFOLD
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-#else
-  options.local_parameterization_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-#endif
-  options.disable_all_safety_checks = true;
-  return options;
-}
-
 }  // namespace lidar_mapping::pose_graph

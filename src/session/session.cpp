@@ -4,7 +4,6 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
-#include "rows.hpp"
 #include "session_impl.hpp"
 #include "session_schema.hpp"
 
@@ -85,9 +84,7 @@ void Session::add_key_frame(const KeyFrame& key_frame) {
 }
 
 void Session::add_loop(const Loop& loop) {
-  Cells cells = to_cells(loop);
-  cells.insert(cells.begin(), nullptr);
-  impl_->insert("INSERT OR REPLACE", "loops", cells);
+  impl_->insert("INSERT OR REPLACE", "loops", to_cells(loop));
 }
 
 void Session::set_loop_decision(KeyFrameIndex from, KeyFrameIndex to, LoopDecision decision) {
@@ -96,9 +93,7 @@ void Session::set_loop_decision(KeyFrameIndex from, KeyFrameIndex to, LoopDecisi
 }
 
 void Session::add_verdict(const LoopVerdict& verdict) {
-  Cells cells = to_cells(verdict);
-  cells.insert(cells.begin(), nullptr);
-  impl_->insert("INSERT", "loop_verdicts", cells);
+  impl_->insert("INSERT", "loop_verdicts", to_cells(verdict));
 }
 
 void Session::add_gnss(const GnssPosition& position) {
@@ -118,9 +113,7 @@ void Session::add_scan(const ScanRecord& scan) {
 }
 
 void Session::add_odometry(Stamp stamp, const Pose& T_odom_base) {
-  Cells cells{stamp};
-  append(cells, T_odom_base);
-  impl_->insert("INSERT OR IGNORE", "odometry", cells);
+  impl_->insert("INSERT OR IGNORE", "odometry", to_cells(std::pair(stamp, T_odom_base)));
 }
 
 void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record) {
@@ -132,13 +125,17 @@ void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record
   const std::int64_t revision = poses.revision;
   impl_->database.run("DELETE FROM poses WHERE revision = ?", {revision});
   for (const KeyFramePose& pose : poses.poses) {
-    Cells cells{revision, std::int64_t{pose.index}, pose.stamp};
-    append(cells, pose.T_map_base);
+    Cells cells = to_cells(pose);
+    cells.insert(cells.begin(), revision);
     impl_->insert("INSERT", "poses", cells);
   }
   impl_->database.run("DELETE FROM poses WHERE revision <= ?", {revision - kKeptRevisions});
-  impl_->insert("INSERT OR REPLACE", "revisions", to_cells(record));
+  set_revision(record);
   transaction.commit();
+}
+
+void Session::set_revision(const RevisionRecord& record) {
+  impl_->insert("INSERT OR REPLACE", "revisions", to_cells(record));
 }
 
 void Session::set_run_id(const std::string& run_id) {

@@ -4,6 +4,7 @@
 #include "lidar_mapping/session/session.hpp"
 
 #include "database.hpp"
+#include "rows.hpp"
 #include "session_folder.hpp"
 
 namespace lidar_mapping::session {
@@ -24,9 +25,9 @@ class Session::Impl {
   }
 
   template <typename Value>
-  std::vector<Value> all(const std::string& sql, Value (*read)(Statement&)) const {
+  std::vector<Value> all(const std::string& sql) const {
     std::vector<Value> values;
-    for (Statement row = database.query(sql); row.step();) values.push_back(read(row));
+    for (Statement row = database.query(sql); row.step();) values.push_back(from_row<Value>(row));
     return values;
   }
 

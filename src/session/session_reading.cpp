@@ -4,7 +4,6 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-#include "rows.hpp"
 #include "session_impl.hpp"
 #include "session_schema.hpp"
 
@@ -24,9 +23,8 @@ std::optional<Eigen::Vector3d> vector_property(const Database& database, const s
 }  // namespace
 
 std::vector<KeyFrame> Session::key_frames() const {
-  return impl_->all(
-      "SELECT " + columns_of_key_frames(impl_->database) + " FROM key_frames ORDER BY key_frame",
-      read_key_frame);
+  return impl_->all<KeyFrame>("SELECT " + columns_of_key_frames(impl_->database) +
+                              " FROM key_frames ORDER BY key_frame");
 }
 
 std::optional<KeyFrame> Session::key_frame(KeyFrameIndex index) const {
@@ -34,7 +32,7 @@ std::optional<KeyFrame> Session::key_frame(KeyFrameIndex index) const {
       "SELECT " + columns_of_key_frames(impl_->database) + " FROM key_frames WHERE key_frame = ?",
       {std::int64_t{index}});
   if (!row.step()) return std::nullopt;
-  return read_key_frame(row);
+  return from_row<KeyFrame>(row);
 }
 
 std::size_t Session::key_frame_count() const {
@@ -44,43 +42,42 @@ std::size_t Session::key_frame_count() const {
 
 std::vector<Loop> Session::loops() const {
   if (!has_loop_decisions(impl_->database)) {
-    return impl_->all("SELECT *, 'auto' FROM loops ORDER BY id", read_loop);
+    return impl_->all<Loop>("SELECT *, 'auto' FROM loops ORDER BY id");
   }
-  return impl_->all(
+  return impl_->all<Loop>(
       "SELECT loops.*, COALESCE(decision, 'auto') FROM loops "
-      "LEFT JOIN loop_decisions USING (from_key_frame, to_key_frame) ORDER BY id",
-      read_loop);
+      "LEFT JOIN loop_decisions USING (from_key_frame, to_key_frame) ORDER BY id");
 }
 
 std::vector<LoopVerdict> Session::verdicts() const {
-  return impl_->all("SELECT * FROM loop_verdicts ORDER BY id", read_verdict);
+  return impl_->all<LoopVerdict>("SELECT * FROM loop_verdicts ORDER BY id");
 }
 
 std::vector<GnssPosition> Session::gnss() const {
-  return impl_->all("SELECT * FROM gnss ORDER BY stamp", read_gnss);
+  return impl_->all<GnssPosition>("SELECT * FROM gnss ORDER BY stamp");
 }
 
 std::vector<ImuSample> Session::imu() const {
-  return impl_->all("SELECT * FROM imu ORDER BY stamp", read_imu);
+  return impl_->all<ImuSample>("SELECT * FROM imu ORDER BY stamp");
 }
 
 std::vector<Floor> Session::floors() const {
-  return impl_->all("SELECT * FROM floors ORDER BY stamp", read_floor);
+  return impl_->all<Floor>("SELECT * FROM floors ORDER BY stamp");
 }
 
 std::vector<ScanRecord> Session::scans() const {
-  return impl_->all("SELECT " + columns_of_scans(impl_->database) + " FROM scans ORDER BY stamp",
-                    read_scan);
+  return impl_->all<ScanRecord>("SELECT " + columns_of_scans(impl_->database) +
+                                " FROM scans ORDER BY stamp");
 }
 
 std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
-  return impl_->all("SELECT * FROM odometry ORDER BY stamp", read_odometry);
+  return impl_->all<std::pair<Stamp, Pose>>("SELECT * FROM odometry ORDER BY stamp");
 }
 
 KeyFramePoses Session::poses() const {
   KeyFramePoses poses;
   // While this statement lives, both see the session as it was when the first one began.
-  Statement newest = impl_->database.query("SELECT MAX(revision) FROM revisions");
+  Statement newest = impl_->database.query("SELECT MAX(revision) FROM poses");
   if (!newest.step()) return poses;
   poses.revision =
       static_cast<std::uint32_t>(newest.read_integer(0, std::numeric_limits<std::uint32_t>::max()));
@@ -88,12 +85,12 @@ KeyFramePoses Session::poses() const {
       "SELECT key_frame, stamp, x, y, z, qx, qy, qz, qw FROM poses WHERE revision = ? "
       "ORDER BY key_frame",
       {std::int64_t{poses.revision}});
-  while (row.step()) poses.poses.push_back(read_pose(row));
+  while (row.step()) poses.poses.push_back(from_row<KeyFramePose>(row));
   return poses;
 }
 
 std::vector<RevisionRecord> Session::revisions() const {
-  return impl_->all("SELECT * FROM revisions ORDER BY revision", read_revision);
+  return impl_->all<RevisionRecord>("SELECT * FROM revisions ORDER BY revision");
 }
 
 std::string Session::run_id() const {

@@ -124,6 +124,41 @@ TEST(RecordedBackEnd, ResumedSessionEqualsUninterruptedOne) {
   }
 }
 
+AppliedSolution optimize_often(RecordedBackEnd& back_end) {
+  return back_end.apply(*back_end::solve(*back_end.problem(true)), 0.5, PoseStorage::kWhenGrown);
+}
+
+TEST(RecordedBackEnd, StoresPosesOfManySolutionsAsTheDriveGrows) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  std::vector<std::uint32_t> stored;
+  for (KeyFrameIndex index = 0; index < kKeyFrames; ++index) {
+    drive(back_end, index, index + 1);
+    optimize_often(back_end);
+    const std::uint32_t revision = back_end.session().poses().revision;
+    if (stored.empty() || stored.back() != revision) stored.push_back(revision);
+  }
+  EXPECT_EQ(stored, (std::vector<std::uint32_t>{0, 20, 41}));
+  EXPECT_EQ(back_end.session().revisions().size(), kKeyFrames) << "figures of each";
+  back_end.write_files();
+  EXPECT_EQ(back_end.session().poses().poses.size(), kKeyFrames) << "and all of them at the end";
+}
+
+// Subscribers take poses with a number below the last one for outdated.
+TEST(RecordedBackEnd, RevisionsCountOnFromOneWhosePosesWereNotStored) {
+  const TemporaryFolder folder;
+  std::uint32_t revision = 0;
+  {
+    RecordedBackEnd first(Session::create_in(folder.path()), {});
+    drive(first, 0, 5);
+    optimize_often(first);
+    revision = optimize_often(first).poses.revision;
+    EXPECT_LT(first.session().poses().revision, revision);
+  }
+  RecordedBackEnd second(reopened(folder), {});
+  EXPECT_GT(optimize_often(second).poses.revision, revision);
+}
+
 TEST(RecordedBackEnd, RestoresLoopsAfterRestart) {
   const TemporaryFolder folder;
   {

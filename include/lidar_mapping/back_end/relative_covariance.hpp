@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/pose_graph/block_cholesky.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -21,15 +23,18 @@ class RelativeCovariance {
 
   /// Factorises the information matrix with key frame `from` known.
   RelativeCovariance(const OptimizationProblem& problem, KeyFrameIndex from, Given given);
-  ~RelativeCovariance();
 
   /// Covariance of key frame `to` in its own axes, m and rad. Empty for an unknown key frame, or if
   /// the graph cannot be solved.
   std::optional<Covariance6> of(KeyFrameIndex to) const;
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  std::optional<int> row_of(KeyFrameIndex index) const;
+
+  std::vector<KeyFrameIndex> key_frames_;  ///< of the rows
+  int states_ = 0;
+  std::unique_ptr<pose_graph::BlockCholesky<6>> system_;
+  bool is_solvable_ = false;
 };
 
 }  // namespace lidar_mapping::back_end

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <utility>
 #include <vector>
 
+#include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/pipeline/map_extension.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -44,9 +44,11 @@ class MapExtender {
   ~MapExtender();
 
   /// Adds what the front end says of a scan of the drive.
-  void add_scan(const session::ScanRecord& scan);
+  void add_scan(const session::ScanRecord& scan) { drive_.scans.push_back(scan); }
   /// Adds T_odom_base of a scan of the drive.
-  void add_odometry(Stamp stamp, const Pose& T_odom_base);
+  void add_odometry(Stamp stamp, const Pose& T_odom_base) {
+    drive_.odometry.emplace_back(stamp, T_odom_base);
+  }
   /// Adds the next key frame of the drive with its cloud, and what was claimed about the place of
   /// its scan. Indices and stamps increase. Throws FileError.
   void add_key_frame(const KeyFrame& key_frame, const localization::LocalizationResult& place);
@@ -54,7 +56,7 @@ class MapExtender {
   void withdraw_place();
 
   /// All that was added, without clouds.
-  const LocalizedDrive& drive() const;
+  const LocalizedDrive& drive() const { return drive_; }
 
   /// Writes the folder `session`, which must not exist or be empty, if the drive has something new
   /// that is tied to the map. `drive` is drive() or an earlier copy of it. The graph is solved with
@@ -63,8 +65,11 @@ class MapExtender {
   ExtensionReport write(const LocalizedDrive& drive, const std::filesystem::path& session) const;
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  const std::filesystem::path map_;
+  const back_end::BackEndConfig config_;
+  const std::filesystem::path folder_;
+  session::CloudStore clouds_;
+  LocalizedDrive drive_;
 };
 
 }  // namespace lidar_mapping::pipeline

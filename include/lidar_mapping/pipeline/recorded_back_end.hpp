@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +21,12 @@ struct AppliedSolution {
   KeyFramePoses poses;  ///< T_map_base of all key frames.
   /// Verdicts on the loops that the graph now accepts or refuses other than before.
   std::vector<LoopVerdict> verdicts;
+};
+
+/// When the poses of a solution are stored in the session. All of them are written at once.
+enum class PoseStorage {
+  kAlways,
+  kWhenGrown  ///< when the drive is 20 key frames and a twentieth longer than at the last time
 };
 
 /// A back end that stores every input and result in a session: when an add_ function has returned,
@@ -56,10 +66,10 @@ class RecordedBackEnd {
   std::shared_ptr<const back_end::OptimizationProblem> problem(bool thorough) const {
     return back_end_.problem(thorough);
   }
-  /// Applies a solution whose computation took `seconds`. The poses are stored in the session only
-  /// if `store_poses` is set: a caller that optimises often need not write all of them each time.
+  /// Applies a solution whose computation took `seconds`, and stores its figures in the session,
+  /// and its poses if they are due.
   AppliedSolution apply(const back_end::OptimizationSolution& solution, double seconds,
-                        bool store_poses = true);
+                        PoseStorage storage = PoseStorage::kAlways);
 
   /// Newest poses; their revision counts on over the whole session.
   KeyFramePoses poses() const;
@@ -85,18 +95,22 @@ class RecordedBackEnd {
   /// The session.
   const session::Session& session() const { return session_; }
 
-  /// Updates trajectory/, the files about loops, doubt.csv and graph.g2o. Returns the sentences on
-  /// the sections where the map is doubtful (warnings() in drive_doubt.hpp). Throws FileError.
-  std::vector<std::string> write_files() const;
+  /// Updates trajectory/, the files about loops, doubt.csv and graph.g2o, and the poses of the
+  /// session. Returns the sentences on the sections where the map is doubtful (warnings() in
+  /// drive_doubt.hpp). Throws FileError.
+  std::vector<std::string> write_files();
 
  private:
   void resume();
+  void store_poses(const KeyFramePoses& poses, const session::RevisionRecord& record);
 
   session::Session session_;
   back_end::BackEnd back_end_;
   Pose T_session_gnss_;  ///< Transformation of positions from their datum to that of the session.
   std::uint32_t first_revision_ = 0;
-  std::vector<Verdict> last_verdicts_;  ///< Verdict of the graph on each loop.
+  std::size_t stored_poses_ = 0;  ///< Number of poses when they were last stored in the session.
+  std::optional<session::RevisionRecord> unstored_;  ///< Revision whose poses are not stored yet.
+  std::vector<Verdict> last_verdicts_;               ///< Verdict of the graph on each loop.
   /// T_from_to of every loop in the graph; the newest one for each pair of key frames.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, Pose> loop_poses_;
 };

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "lidar_mapping/loop_closing/loop_closing_config.hpp"
+#include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/pipeline/session_part.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -29,7 +32,6 @@ class SessionMerger {
   /// session that is added.
   SessionMerger(session::Session out, const back_end::BackEndConfig& back_end,
                 const loop_closing::LoopClosingConfig& loop_closing);
-  ~SessionMerger();
 
   /// Adds all of a session and optimises the graph. Clouds are hard links to those of the part
   /// where the disk allows that. `ties` are loops to earlier sessions that are known already: from
@@ -41,11 +43,23 @@ class SessionMerger {
   void finish();
 
   /// Results for the sessions in the order in which they were added.
-  const std::vector<MergedSession>& parts() const;
+  const std::vector<MergedSession>& parts() const { return parts_; }
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  session::Session& session() { return back_end_.session(); }
+  std::vector<GnssPosition> gnss_of(const session::Session& part, MergedSession& merged);
+  void add_key_frame(const KeyFrame& key_frame, const SessionPart& part, MergedSession& merged);
+  void add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets, SessionPart& part);
+  void use_own_loop(const Loop& loop);
+  void search(const KeyFrame& key_frame, MergedSession& merged);
+  void solve(bool thorough);
+
+  RecordedBackEnd back_end_;
+  loop_closing::LoopCloser closer_;
+  std::vector<MergedSession> parts_;
+  std::set<Stamp> stamps_;
+  std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> pairs_;
+  PartOffsets next_;
 };
 
 }  // namespace lidar_mapping::pipeline

@@ -58,6 +58,10 @@ struct FactorGraph {
   void set_pose(int node, const Pose& pose);
 };
 
+/// Evaluates the whitened residual of a constraint at the current states. `jacobians`, null if they
+/// are not wanted, are those for the first and the second node in the layout of Ceres.
+void evaluate(const FactorGraph& graph, const Constraint& constraint, double* residual,
+              double** jacobians);
 /// Squared norm of a whitened residual at the current states, without kernel.
 double chi2(const FactorGraph& graph, const Constraint& constraint);
 /// Sum of chi2() over the constraints with `used` true, as g2o reports it.

@@ -40,6 +40,9 @@ RobustKernel robust_kernel_of(const std::string& name);
 /// derivative of all losses is 1 at zero. Callers include <ceres/loss_function.h>.
 std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double size);
 
+/// Value and derivative of a loss at a squared norm; of least squares if it is null.
+std::pair<double, double> loss_at(const ceres::LossFunction* loss, double squared_norm);
+
 /// The 99 % quantile of the chi-square distribution with 1 to 6 degrees of freedom. The limits
 /// above which other constraints contradict a constraint are derived from it. Throws InputError for
 /// other degrees of freedom.

@@ -15,7 +15,6 @@
 #define LIDAR_MAPPING_CERES_HAS_MANIFOLD 0
 #include <ceres/local_parameterization.h>
 #endif
-#include <ceres/problem.h>
 
 namespace lidar_mapping::pose_graph {
 
@@ -73,10 +72,5 @@ class TangentUpdate : public ceres::LocalParameterization {
   bool ComputeJacobian(const double* x, double* jacobian) const override;
 };
 #endif
-
-/// Options of a problem that does not own its cost functions, losses and manifolds.
-ceres::Problem::Options non_owning_problem_options();
-/// Adds a 3D state to a problem, with its update.
-void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& update);
 
 }  // namespace lidar_mapping::pose_graph

@@ -124,6 +124,8 @@ class Session {
   /// Stores all poses of a revision and the figures of its optimisation. The poses of the last ten
   /// revisions are kept. Throws InputError if `poses` are not those of the whole map.
   void set_poses(const KeyFramePoses& poses, const RevisionRecord& record);
+  /// Stores the figures of an optimisation whose poses are not stored.
+  void set_revision(const RevisionRecord& record);
 
   /// Stores the name of the run as in messages.
   void set_run_id(const std::string& run_id);
@@ -155,9 +157,10 @@ class Session {
   std::vector<ScanRecord> scans() const;
   /// T_odom_base of all scans by stamp.
   std::vector<std::pair<Stamp, Pose>> odometry() const;
-  /// The poses T_map_base of the newest revision; empty with revision 0 if there is none.
+  /// The poses T_map_base of the newest revision that has stored ones; empty with revision 0 if
+  /// there is none.
   KeyFramePoses poses() const;
-  /// The figures of all optimisations by revision.
+  /// The figures of all optimisations by revision, also of those whose poses are not stored.
   std::vector<RevisionRecord> revisions() const;
   /// Name of the run; empty if unknown.
   std::string run_id() const;

@@ -22,16 +22,19 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluat
   return smallest;
 }
 
+std::vector<bool> groups_in_enu(const DriveGraph& drive, const std::vector<int>& connected) {
+  std::vector<bool> result(connected.size(), false);
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    if (drive.in_enu[s]) result[connected[s]] = true;
+  }
+  return result;
+}
+
 std::vector<bool> segments_in_enu(const DriveGraph& drive) {
   const std::vector<int> connected = connected_segments(drive, true);
-  std::vector<bool> group_in_enu(connected.size(), false);
-  for (std::size_t s = 0; s < connected.size(); ++s) {
-    if (drive.in_enu[s]) group_in_enu[connected[s]] = true;
-  }
-  std::vector<bool> result(connected.size());
-  for (std::size_t s = 0; s < connected.size(); ++s) {
-    result[s] = group_in_enu[connected[s]];
-  }
+  const std::vector<bool> group_in_enu = groups_in_enu(drive, connected);
+  std::vector<bool> result;
+  for (const int group : connected) result.push_back(group_in_enu[group]);
   return result;
 }
 

@@ -115,6 +115,10 @@ struct DriveGraph : NodeMeasurements {
 /// evaluated yet count if `with_unevaluated_loops` is true.
 std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluated_loops);
 
+/// For each group of segments, by its smallest number: whether one of them was aligned to
+/// East-North-Up. `connected` is as from connected_segments().
+std::vector<bool> groups_in_enu(const DriveGraph& drive, const std::vector<int>& connected);
+
 /// The segments that were aligned to East-North-Up, and those that loops connect with them.
 std::vector<bool> segments_in_enu(const DriveGraph& drive);
 

@@ -98,15 +98,12 @@ std::optional<GroupPlacement> next_placement(const DriveGraph& drive,
 /// A segment that was placed beside one that is not in East-North-Up has left it: the two are to be
 /// aligned together.
 void reset_alignments(const std::vector<int>& groups, const std::vector<int>& by_new_loops,
-                      std::vector<bool>& in_enu) {
-  std::vector<bool> group_in_enu(groups.size(), false);
-  for (std::size_t segment = 0; segment < groups.size(); ++segment) {
-    if (in_enu[segment]) group_in_enu[groups[segment]] = true;
-  }
+                      DriveGraph& drive) {
+  const std::vector<bool> group_in_enu = groups_in_enu(drive, groups);
   for (std::size_t segment = 0; segment < groups.size(); ++segment) {
     const int oldest = by_new_loops[segment];
     const bool is_moved = groups[segment] != oldest;
-    if (is_moved && !group_in_enu[oldest]) in_enu[segment] = false;
+    if (is_moved && !group_in_enu[oldest]) drive.in_enu[segment] = false;
   }
 }
 
@@ -161,7 +158,7 @@ void connect_segments(DriveGraph& drive) {
     for (std::size_t segment = 0; segment < segments.size(); ++segment)
       if (segments[segment]) placed[segment] = true;
   }
-  reset_alignments(groups, by_new_loops, drive.in_enu);
+  reset_alignments(groups, by_new_loops, drive);
 }
 
 Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool realign) {

@@ -47,10 +47,7 @@ std::vector<GnssPosition> positions_of(const DriveGraph& drive) {
 
 std::vector<int> parts_of(const DriveGraph& drive) {
   std::vector<int> part_of = connected_segments(drive, false);
-  std::vector<bool> in_enu(part_of.size(), false);
-  for (std::size_t s = 0; s < part_of.size(); ++s) {
-    if (drive.in_enu[s]) in_enu[part_of[s]] = true;
-  }
+  const std::vector<bool> in_enu = groups_in_enu(drive, part_of);
   const auto first = std::find(in_enu.begin(), in_enu.end(), true) - in_enu.begin();
   for (int& part : part_of) {
     if (in_enu[part]) part = static_cast<int>(first);

@@ -27,50 +27,34 @@ std::vector<bool> odometry_constraints(const DriveFactors& factors) {
 
 }  // namespace
 
-class RelativeCovariance::Impl {
- public:
-  Impl(const OptimizationProblem& problem, KeyFrameIndex from, Given given)
-      : nodes_(problem.drive.nodes) {
-    const DriveFactors factors = make_factors(problem.drive, problem.config);
-    states_ = static_cast<int>(factors.graph.states.size());
-    system_ = pose_graph::information_matrix(
-        factors.graph, given == Given::kAll ? factors.selected : odometry_constraints(factors));
-    for (int i = 0; i < states_; ++i) {
-      system_->add_diagonal(i, kUnknownInformation * Matrix6d::Identity());
-    }
-    if (const auto row = row_of(from))
-      system_->add_diagonal(*row, kKnownInformation * Matrix6d::Identity());
-    is_solvable_ = system_->factorize();
-  }
-
-  std::optional<Covariance6> of(KeyFrameIndex to) const {
-    const auto row = row_of(to);
-    if (!row || !is_solvable_) return std::nullopt;
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(Eigen::Index{6} * states_, 6);
-    unit.middleRows<6>(Eigen::Index{6} * *row).setIdentity();
-    const Matrix6d covariance = system_->solve(unit).middleRows<6>(Eigen::Index{6} * *row);
-    return of_whole_angles(0.5 * (covariance + covariance.transpose()));
-  }
-
- private:
-  std::optional<int> row_of(KeyFrameIndex index) const {
-    const auto found = std::find_if(nodes_.begin(), nodes_.end(),
-                                    [&](const DriveNode& node) { return node.index == index; });
-    if (found == nodes_.end()) return std::nullopt;
-    return static_cast<int>(found - nodes_.begin());
-  }
-
-  std::vector<DriveNode> nodes_;
-  int states_ = 0;
-  std::unique_ptr<pose_graph::BlockCholesky<6>> system_;
-  bool is_solvable_ = false;
-};
-
 RelativeCovariance::RelativeCovariance(const OptimizationProblem& problem, KeyFrameIndex from,
-                                       Given given)
-    : impl_(std::make_unique<Impl>(problem, from, given)) {}
-RelativeCovariance::~RelativeCovariance() = default;
+                                       Given given) {
+  for (const DriveNode& node : problem.drive.nodes) key_frames_.push_back(node.index);
+  const DriveFactors factors = make_factors(problem.drive, problem.config);
+  states_ = static_cast<int>(factors.graph.states.size());
+  system_ = pose_graph::information_matrix(
+      factors.graph, given == Given::kAll ? factors.selected : odometry_constraints(factors));
+  for (int i = 0; i < states_; ++i) {
+    system_->add_diagonal(i, kUnknownInformation * Matrix6d::Identity());
+  }
+  if (const auto row = row_of(from))
+    system_->add_diagonal(*row, kKnownInformation * Matrix6d::Identity());
+  is_solvable_ = system_->factorize();
+}
 
-std::optional<Covariance6> RelativeCovariance::of(KeyFrameIndex to) const { return impl_->of(to); }
+std::optional<Covariance6> RelativeCovariance::of(KeyFrameIndex to) const {
+  const auto row = row_of(to);
+  if (!row || !is_solvable_) return std::nullopt;
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(Eigen::Index{6} * states_, 6);
+  unit.middleRows<6>(Eigen::Index{6} * *row).setIdentity();
+  const Matrix6d covariance = system_->solve(unit).middleRows<6>(Eigen::Index{6} * *row);
+  return of_whole_angles(0.5 * (covariance + covariance.transpose()));
+}
+
+std::optional<int> RelativeCovariance::row_of(KeyFrameIndex index) const {
+  const auto found = std::find(key_frames_.begin(), key_frames_.end(), index);
+  if (found == key_frames_.end()) return std::nullopt;
+  return static_cast<int>(found - key_frames_.begin());
+}
 
 }  // namespace lidar_mapping::back_end

@@ -26,7 +26,10 @@ void BackEndNode::apply_solution(const SolvedProblem& solved) {
   done.save_map = context_.node.resolveName("save_map");
   if (solved.run == run_) {
     const KeyFramePoses before = run_->poses();
-    const pipeline::AppliedSolution applied = run_->apply(*solved.solution, solved.seconds);
+    const auto storage =
+        solved.thorough ? pipeline::PoseStorage::kAlways : pipeline::PoseStorage::kWhenGrown;
+    const pipeline::AppliedSolution applied =
+        run_->apply(*solved.solution, solved.seconds, storage);
     done.moved = back_end::change_between(before, applied.poses);
     done.corrected = back_end::change_between(run_->odometry(), applied.poses);
     if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;

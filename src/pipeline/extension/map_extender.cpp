@@ -2,6 +2,7 @@
 #include "lidar_mapping/pipeline/map_extender.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -164,93 +165,58 @@ BackEndConfig checked_config(const fs::path& map) {
 
 }  // namespace
 
-class MapExtender::Impl {
- public:
-  Impl(const fs::path& map, const fs::path& folder)
-      : map_(fs::canonical(session::find_session(map))),
-        config_(checked_config(map)),
-        folder_(folder),
-        clouds_(folder / "clouds", 0) {  // nobody asks for them before the end
-    std::error_code error;
-    fs::remove_all(folder_, error);
-    if (!error) fs::create_directories(folder_, error);
-    if (!error) return;
-    throw FileError("cannot make the folder " + folder_.string() + ": " + error.message() +
-                    "; check the path and the free space");
-  }
-  ~Impl() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-
-  void add_scan(const session::ScanRecord& scan) { drive_.scans.push_back(scan); }
-  void add_odometry(Stamp stamp, const Pose& T_odom_base) {
-    drive_.odometry.emplace_back(stamp, T_odom_base);
-  }
-
-  void add_key_frame(const KeyFrame& key_frame, const localization::LocalizationResult& place) {
-    if (key_frame.cloud) clouds_.put(key_frame.index, key_frame.cloud);
-    drive_.key_frames.push_back({key_frame, place});
-    drive_.key_frames.back().key_frame.cloud = nullptr;
-  }
-
-  void withdraw_place() {
-    auto localized = drive_.key_frames.rbegin();
-    for (; localized != drive_.key_frames.rend(); ++localized) {
-      if (!localization::has_pose(localized->place.state)) return;
-      localized->place.state = localization::LocalizationState::kSearching;
-    }
-  }
-
-  const LocalizedDrive& drive() const { return drive_; }
-
-  ExtensionReport write(const LocalizedDrive& drive, const fs::path& session) const {
-    const Session map = Session::open(map_, Session::Access::kRead);
-    const KeyFramePoses before = map.poses();
-    ExtensionReport report;
-    report.extension = plan_extension(drive.key_frames, before);
-    if (report.is_written()) {
-      leave_out_contradicted(held_key_frames(map, config_, report.extension, drive.key_frames),
-                             report.extension);
-    }
-    if (!report.is_written()) return report;
-    const SectionSession sections(folder_ / "sections", report.extension, drive, clouds_);
-    report.key_frames = sections.session().key_frame_count();
-    const Session extended = session::create_filled(session, [&](Session& out) {
-      merge(map, sections.session(), ties_of(report.extension), config_, std::move(out));
-    });
-    report.largest_move = back_end::change_between(before, extended.poses()).largest;
-    return report;
-  }
-
- private:
-  const fs::path map_;
-  const BackEndConfig config_;
-  const fs::path folder_;
-  session::CloudStore clouds_;
-  LocalizedDrive drive_;
-};
-
 fs::path folder_beside(const fs::path& session) { return hidden_beside(session, ".drive.part"); }
 
 MapExtender::MapExtender(const fs::path& map, const fs::path& folder)
-    : impl_(std::make_unique<Impl>(map, folder)) {}
-MapExtender::~MapExtender() = default;
-
-void MapExtender::add_scan(const session::ScanRecord& scan) { impl_->add_scan(scan); }
-void MapExtender::add_odometry(Stamp stamp, const Pose& T_odom_base) {
-  impl_->add_odometry(stamp, T_odom_base);
+    : map_(fs::canonical(session::find_session(map))),
+      config_(checked_config(map)),
+      folder_(folder),
+      clouds_(folder / "clouds", 0) {  // nobody asks for them before the end
+  std::error_code error;
+  fs::remove_all(folder_, error);
+  if (!error) fs::create_directories(folder_, error);
+  if (!error) return;
+  throw FileError("cannot make the folder " + folder_.string() + ": " + error.message() +
+                  "; check the path and the free space");
 }
+
+MapExtender::~MapExtender() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
 void MapExtender::add_key_frame(const KeyFrame& key_frame,
                                 const localization::LocalizationResult& place) {
-  impl_->add_key_frame(key_frame, place);
+  if (key_frame.cloud) clouds_.put(key_frame.index, key_frame.cloud);
+  drive_.key_frames.push_back({key_frame, place});
+  drive_.key_frames.back().key_frame.cloud = nullptr;
 }
-void MapExtender::withdraw_place() { impl_->withdraw_place(); }
-const LocalizedDrive& MapExtender::drive() const { return impl_->drive(); }
+
+void MapExtender::withdraw_place() {
+  auto localized = drive_.key_frames.rbegin();
+  for (; localized != drive_.key_frames.rend(); ++localized) {
+    if (!localization::has_pose(localized->place.state)) return;
+    localized->place.state = localization::LocalizationState::kSearching;
+  }
+}
+
 ExtensionReport MapExtender::write(const LocalizedDrive& drive, const fs::path& session) const {
-  return impl_->write(drive, session);
+  const Session map = Session::open(map_, Session::Access::kRead);
+  const KeyFramePoses before = map.poses();
+  ExtensionReport report;
+  report.extension = plan_extension(drive.key_frames, before);
+  if (report.is_written()) {
+    leave_out_contradicted(held_key_frames(map, config_, report.extension, drive.key_frames),
+                           report.extension);
+  }
+  if (!report.is_written()) return report;
+  const SectionSession sections(folder_ / "sections", report.extension, drive, clouds_);
+  report.key_frames = sections.session().key_frame_count();
+  const Session extended = session::create_filled(session, [&](Session& out) {
+    merge(map, sections.session(), ties_of(report.extension), config_, std::move(out));
+  });
+  report.largest_move = back_end::change_between(before, extended.poses()).largest;
+  return report;
 }
 
 }  // namespace lidar_mapping::pipeline

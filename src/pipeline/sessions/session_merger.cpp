@@ -3,17 +3,13 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
-#include "lidar_mapping/loop_closing/loop_closer.hpp"
-#include "lidar_mapping/pipeline/session_part.hpp"
 #include "lidar_mapping/session/imported_map.hpp"
 
 namespace lidar_mapping::pipeline {
 
 namespace {
 
-using loop_closing::LoopCloser;
 using session::Session;
 
 /// The cloud of a key frame of `part`, whose file `merged` takes over; null if there is none.
@@ -26,37 +22,14 @@ PointCloudPtr linked_cloud(const Session& part, KeyFrameIndex own_index, Session
 
 }  // namespace
 
-class SessionMerger::Impl {
- public:
-  Impl(Session out, const back_end::BackEndConfig& back_end,
-       const loop_closing::LoopClosingConfig& loop_closing)
-      : back_end_(std::move(out), back_end),
-        closer_(loop_closing, session().clouds(), session().directory()) {}
-
-  void add(const Session& session_part, const std::vector<Loop>& ties);
-  void finish();
-  const std::vector<MergedSession>& parts() const { return parts_; }
-
- private:
-  Session& session() { return back_end_.session(); }
-  std::vector<GnssPosition> gnss_of(const Session& session_part, MergedSession& merged);
-  void add_key_frame(const KeyFrame& key_frame, const SessionPart& part, MergedSession& merged);
-  void add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets, SessionPart& part);
-  void use_own_loop(const Loop& loop);
-  void search(const KeyFrame& key_frame, MergedSession& merged);
-  void solve(bool thorough);
-
-  RecordedBackEnd back_end_;
-  LoopCloser closer_;
-  std::vector<MergedSession> parts_;
-  std::set<Stamp> stamps_;
-  std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> pairs_;
-  PartOffsets next_;
-};
+SessionMerger::SessionMerger(Session out, const back_end::BackEndConfig& back_end,
+                             const loop_closing::LoopClosingConfig& loop_closing)
+    : back_end_(std::move(out), back_end),
+      closer_(loop_closing, session().clouds(), session().directory()) {}
 
 /// Positions of a part in the East-North-Up frame of the merged session.
-std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_part,
-                                                       MergedSession& merged) {
+std::vector<GnssPosition> SessionMerger::gnss_of(const Session& session_part,
+                                                 MergedSession& merged) {
   const std::vector<GnssPosition> positions = session_part.gnss();
   const auto datum = session_part.datum();
   // An imported map lies in its datum's frame without any position.
@@ -82,7 +55,7 @@ std::vector<GnssPosition> SessionMerger::Impl::gnss_of(const Session& session_pa
   return gnss_in_frame_of(*session().datum(), session_part);
 }
 
-void SessionMerger::Impl::add(const Session& session_part, const std::vector<Loop>& ties) {
+void SessionMerger::add(const Session& session_part, const std::vector<Loop>& ties) {
   if (parts_.empty()) {
     copy_settings(session_part, session());
     if (const auto origin = session().sensor_origin()) closer_.set_sensor_origin(*origin);
@@ -107,8 +80,8 @@ void SessionMerger::Impl::add(const Session& session_part, const std::vector<Loo
   parts_.push_back(merged);
 }
 
-void SessionMerger::Impl::add_key_frame(const KeyFrame& key_frame, const SessionPart& part,
-                                        MergedSession& merged) {
+void SessionMerger::add_key_frame(const KeyFrame& key_frame, const SessionPart& part,
+                                  MergedSession& merged) {
   pipeline::add_key_frame(part, key_frame, back_end_, closer_);
   next_.index = key_frame.index + 1;
   next_.segment = key_frame.segment + 1;
@@ -123,8 +96,8 @@ void SessionMerger::Impl::add_key_frame(const KeyFrame& key_frame, const Session
 }
 
 /// They come with the loops of the part; the search does not find their pairs again.
-void SessionMerger::Impl::add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets,
-                                   SessionPart& part) {
+void SessionMerger::add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets,
+                             SessionPart& part) {
   for (Loop tie : ties) {
     tie.to += offsets.index;
     tie.stamp += offsets.stamp;
@@ -133,7 +106,7 @@ void SessionMerger::Impl::add_ties(const std::vector<Loop>& ties, const PartOffs
   }
 }
 
-void SessionMerger::Impl::use_own_loop(const Loop& loop) {
+void SessionMerger::use_own_loop(const Loop& loop) {
   if (loop.decision != LoopDecision::kAuto) {
     session().set_loop_decision(loop.from, loop.to, loop.decision);
   }
@@ -141,7 +114,7 @@ void SessionMerger::Impl::use_own_loop(const Loop& loop) {
   pairs_.emplace(loop.from, loop.to);
 }
 
-void SessionMerger::Impl::search(const KeyFrame& key_frame, MergedSession& merged) {
+void SessionMerger::search(const KeyFrame& key_frame, MergedSession& merged) {
   const loop_closing::LoopClosingResult found = closer_.process(key_frame);
   for (const LoopVerdict& verdict : found.verdicts) session().add_verdict(verdict);
   for (const Loop& loop : found.loops) {
@@ -150,12 +123,12 @@ void SessionMerger::Impl::search(const KeyFrame& key_frame, MergedSession& merge
   }
 }
 
-void SessionMerger::Impl::solve(bool thorough) {
+void SessionMerger::solve(bool thorough) {
   const auto solution = back_end::solve(*back_end_.problem(thorough));
   closer_.update_poses(back_end_.apply(*solution, 0.0).poses);
 }
 
-void SessionMerger::Impl::finish() {
+void SessionMerger::finish() {
   solve(true);
   back_end_.write_files();
   std::map<KeyFrameIndex, int> part_of;
@@ -173,16 +146,5 @@ void SessionMerger::Impl::finish() {
         own.begin(), own.end(), [&](int graph_part) { return first.count(graph_part) > 0; });
   }
 }
-
-SessionMerger::SessionMerger(Session out, const back_end::BackEndConfig& back_end,
-                             const loop_closing::LoopClosingConfig& loop_closing)
-    : impl_(std::make_unique<Impl>(std::move(out), back_end, loop_closing)) {}
-SessionMerger::~SessionMerger() = default;
-
-void SessionMerger::add(const Session& session_part, const std::vector<Loop>& ties) {
-  impl_->add(session_part, ties);
-}
-void SessionMerger::finish() { impl_->finish(); }
-const std::vector<MergedSession>& SessionMerger::parts() const { return impl_->parts(); }
 
 }  // namespace lidar_mapping::pipeline

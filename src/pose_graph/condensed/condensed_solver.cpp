@@ -3,8 +3,6 @@
 
 #include <array>
 
-#include <ceres/loss_function.h>
-
 #include "condensed/condensed_minimizer.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -32,7 +30,7 @@ class FactorGraphProblem : public CondensedProblem<size> {
 
   double cost(int factor) const override {
     const Term& term = terms_[factor];
-    return loss_at(term, chi2(graph_, *term.constraint)).first;
+    return loss_at(term.loss, chi2(graph_, *term.constraint)).first;
   }
 
   void linearise(int factor, FactorBlocks<size>& blocks) const override {
@@ -44,19 +42,16 @@ class FactorGraphProblem : public CondensedProblem<size> {
     const Term& term = terms_[factor];
     const Constraint& constraint = *term.constraint;
     const int rows = constraint.degrees_of_freedom();
-    const bool has_second = constraint.is_binary();
     std::array<Jacobian, 2> jacobians = {Jacobian(rows, kBlock), Jacobian(rows, kBlock)};
     std::array<double, kMaxResidualRows> values{};
-    const std::array<const double*, 2> states = {
-        state(constraint.first), state(has_second ? constraint.second : constraint.first)};
     std::array<double*, 2> targets = {jacobians[0].data(), jacobians[1].data()};
-    constraint.residual->Evaluate(states.data(), values.data(), targets.data());
+    evaluate(graph_, constraint, values.data(), targets.data());
     const Eigen::Map<const Eigen::VectorXd> residual(values.data(), rows);
-    const double weight = loss_at(term, residual.squaredNorm()).second;
+    const double weight = loss_at(term.loss, residual.squaredNorm()).second;
     const Rows first = jacobians[0].template leftCols<size>();
     blocks.first.noalias() = weight * first.transpose() * first;
     blocks.first_gradient.noalias() = weight * first.transpose() * residual;
-    if (!has_second) return;
+    if (!constraint.is_binary()) return;
     const Rows second = jacobians[1].template leftCols<size>();
     blocks.second.noalias() = weight * second.transpose() * second;
     blocks.second_gradient.noalias() = weight * second.transpose() * residual;
@@ -83,16 +78,6 @@ class FactorGraphProblem : public CondensedProblem<size> {
     const Constraint* constraint;
     ceres::LossFunction* loss;
   };
-
-  const double* state(int node) const { return graph_.states[node].data(); }
-
-  /// Value and derivative of the loss of a term at its squared norm.
-  static std::pair<double, double> loss_at(const Term& term, double squared_norm) {
-    if (term.loss == nullptr) return {squared_norm, 1.0};
-    std::array<double, 3> rho{};
-    term.loss->Evaluate(squared_norm, rho.data());
-    return {rho[0], rho[1]};
-  }
 
   FactorGraph& graph_;
   std::vector<Term> terms_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "condensed/pose_graph_problem.hpp"
 
-#include <array>
 #include <cmath>
 
 #include <ceres/loss_function.h>
@@ -79,10 +78,10 @@ class PoseGraphProblem : public CondensedProblem<size> {
     const PoseEdge& edge = graph_.edges[factor];
     if constexpr (size == 6) {
       const SpatialError e(edge, pose(first), pose(second));
-      return loss_at(edge, e.error.dot(edge.information * e.error)).first;
+      return loss_at(loss_of(edge), e.error.dot(edge.information * e.error)).first;
     } else {
       const PlanarError e(edge, planar_[first], planar_[second]);
-      return loss_at(edge, e.error.dot(e.information * e.error)).first;
+      return loss_at(loss_of(edge), e.error.dot(e.information * e.error)).first;
     }
   }
 
@@ -131,12 +130,8 @@ class PoseGraphProblem : public CondensedProblem<size> {
 
   void set_planar_pose(int node) { graph_.nodes[node].pose = to_planar_pose(planar_[node].data()); }
 
-  /// Value and derivative of the loss of an edge at its squared norm.
-  std::pair<double, double> loss_at(const PoseEdge& edge, double squared_norm) const {
-    if (loss_ == nullptr || is_odometry(edge)) return {squared_norm, 1.0};
-    std::array<double, 3> rho{};
-    loss_->Evaluate(squared_norm, rho.data());
-    return {rho[0], rho[1]};
+  const ceres::LossFunction* loss_of(const PoseEdge& edge) const {
+    return is_odometry(edge) ? nullptr : loss_.get();
   }
 
   /// By the second node the derivatives are block diagonal; those by the first are these times the
@@ -146,7 +141,7 @@ class PoseGraphProblem : public CondensedProblem<size> {
     const SpatialError e(edge, first, second);
     Matrix6d information = edge.information;
     Vector6d pull = information * e.error;
-    const double weight = loss_at(edge, e.error.dot(pull)).second;
+    const double weight = loss_at(loss_of(edge), e.error.dot(pull)).second;
     if (weight != 1.0) {
       information *= weight;
       pull *= weight;
@@ -184,7 +179,7 @@ class PoseGraphProblem : public CondensedProblem<size> {
   void linearise_planar(const PoseEdge& edge, const Eigen::Vector3d& first,
                         const Eigen::Vector3d& second, FactorBlocks<size>& blocks) const {
     const PlanarError e(edge, first, second);
-    const double weight = loss_at(edge, e.error.dot(e.information * e.error)).second;
+    const double weight = loss_at(loss_of(edge), e.error.dot(e.information * e.error)).second;
     const Eigen::Matrix3d information = weight * e.information;
     const Eigen::Matrix3d by_first = e.first.transpose() * information;
     const Eigen::Matrix3d by_second = e.second.transpose() * information;

@@ -32,23 +32,10 @@ constexpr std::size_t kRecordsAtATime = 2048;
 // doubles, far below any error of a rotation that matters.
 constexpr double kQuaternionRounding = 1e-9;
 
-/// What is wrong with a file.
-class FileProblem {
- public:
-  explicit FileProblem(std::string path) : path_(std::move(path)) {}
-
-  [[noreturn]] void fail(const std::string& problem) const {
-    throw FileError(path_ + " " + problem);
-  }
-
- private:
-  std::string path_;
-};
-
 /// Reads the words of a file, in blocks of whole records.
 class WordReader {
  public:
-  explicit WordReader(const std::string& path) : problem_(path), stream_(open_for_reading(path)) {
+  explicit WordReader(const std::string& path) : path_(path), stream_(open_for_reading(path)) {
     std::error_code error;
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
     words_ = error ? 0 : static_cast<std::size_t>(bytes / sizeof(Word));
@@ -59,14 +46,13 @@ class WordReader {
   bool is_whole() const { return is_whole_; }
   /// Of all words that were read so far.
   Word checksum() const { return checksum_.value(); }
-  const FileProblem& problem() const { return problem_; }
 
   /// The next `count` words, until the next call.
   const std::vector<Word>& read(std::size_t count) {
     block_.resize(count);
     stream_.read(reinterpret_cast<char*>(block_.data()),
                  static_cast<std::streamsize>(count * sizeof(Word)));
-    if (!stream_) problem_.fail("is cut; copy it again");
+    if (!stream_) fail("is cut; copy it again");
     for (Word& word : block_) {
       word = little_endian(word);
       checksum_.add(word);
@@ -74,8 +60,12 @@ class WordReader {
     return block_;
   }
 
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw FileError(path_ + " " + problem);
+  }
+
  private:
-  FileProblem problem_;
+  std::string path_;
   std::ifstream stream_;
   std::size_t words_ = 0;
   bool is_whole_ = true;
@@ -86,7 +76,7 @@ class WordReader {
 /// The numbers of one record.
 class Record {
  public:
-  Record(const Word* words, const FileProblem& problem) : next_(words), problem_(problem) {}
+  Record(const Word* words, const WordReader& reader) : next_(words), reader_(reader) {}
 
   std::int64_t integer() { return static_cast<std::int64_t>(*next_++); }
 
@@ -103,11 +93,11 @@ class Record {
     return value;
   }
 
-  [[noreturn]] void fail(const std::string& problem) const { problem_.fail(problem); }
+  [[noreturn]] void fail(const std::string& problem) const { reader_.fail(problem); }
 
  private:
   const Word* next_;
-  const FileProblem& problem_;
+  const WordReader& reader_;
 };
 
 Pose read_pose(Record& record, bool planar) {
@@ -150,17 +140,16 @@ struct Header {
 };
 
 Header read_header(WordReader& reader) {
-  const FileProblem& problem = reader.problem();
   if (reader.words() < kHeaderWords || reader.read(1)[0] != kMagic) {
-    problem.fail("is no binary pose graph; a file in g2o's format must not end in .lmg");
+    reader.fail("is no binary pose graph; a file in g2o's format must not end in .lmg");
   }
   const std::vector<Word>& words = reader.read(kHeaderWords - 1);
   if (words[0] != kVersion) {
-    problem.fail("is of version " + std::to_string(words[0]) + ", but this program reads version " +
-                 std::to_string(kVersion) + "; convert it with the program that wrote it");
+    reader.fail("is of version " + std::to_string(words[0]) + ", but this program reads version " +
+                std::to_string(kVersion) + "; convert it with the program that wrote it");
   }
   if (words[1] != 2 && words[1] != 3) {
-    problem.fail("has " + std::to_string(words[1]) + " dimensions; there are graphs of 2 and 3");
+    reader.fail("has " + std::to_string(words[1]) + " dimensions; there are graphs of 2 and 3");
   }
   Header header;
   header.planar = words[1] == 2;
@@ -172,11 +161,11 @@ Header read_header(WordReader& reader) {
   const bool fits = header.nodes <= body / node_size && header.edges <= body / edge_size;
   if (!fits || !reader.is_whole() ||
       header.nodes * node_size + header.edges * edge_size + 1 != body) {
-    problem.fail("names " + std::to_string(header.nodes) + " nodes and " +
-                 std::to_string(header.edges) + " edges, which is not its size; copy it again");
+    reader.fail("names " + std::to_string(header.nodes) + " nodes and " +
+                std::to_string(header.edges) + " edges, which is not its size; copy it again");
   }
   if (header.nodes == 0 || header.edges == 0) {
-    problem.fail("has no nodes or no edges; there is nothing to optimise");
+    reader.fail("has no nodes or no edges; there is nothing to optimise");
   }
   return header;
 }
@@ -190,7 +179,7 @@ void read_records(WordReader& reader, std::size_t count, std::size_t record_word
     const std::vector<Word>& words = reader.read(block * record_words);
     parallel_chunks(block, kRecordsAtATime, 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        Record record(words.data() + i * record_words, reader.problem());
+        Record record(words.data() + i * record_words, reader);
         decode(record, first + i);
       }
     });
@@ -205,8 +194,8 @@ void read_nodes(WordReader& reader, const Header& header, PoseGraph& graph) {
   });
   for (std::size_t i = 1; i < graph.nodes.size(); ++i) {
     if (graph.nodes[i].id > graph.nodes[i - 1].id) continue;
-    reader.problem().fail("has node " + std::to_string(graph.nodes[i].id) + " after node " +
-                          std::to_string(graph.nodes[i - 1].id) + "; ids must ascend");
+    reader.fail("has node " + std::to_string(graph.nodes[i].id) + " after node " +
+                std::to_string(graph.nodes[i - 1].id) + "; ids must ascend");
   }
 }
 
@@ -235,7 +224,7 @@ PoseGraph read_binary_graph(const std::string& path) {
   read_nodes(reader, header, graph);
   read_edges(reader, header, graph);
   const Word expected = reader.checksum();
-  if (reader.read(1)[0] != expected) reader.problem().fail("has a wrong checksum; copy it again");
+  if (reader.read(1)[0] != expected) reader.fail("has a wrong checksum; copy it again");
   return graph;
 }
 

@@ -10,26 +10,19 @@ namespace lidar_mapping::pose_graph {
 LinearisedConstraint linearise(const FactorGraph& graph, const Constraint& constraint) {
   using Rows =
       Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMaxResidualRows>;
-  const bool pair = constraint.is_binary();
-  const auto block = [&](int node) { return graph.states[node].data(); };
-  const std::array<const double*, 2> blocks = {block(constraint.first),
-                                               block(pair ? constraint.second : constraint.first)};
   const int count = constraint.degrees_of_freedom();
   std::array<Rows, 2> jacobians = {Rows::Zero(count, kPoseBlockSize),
                                    Rows::Zero(count, kPoseBlockSize)};
   std::array<double*, 2> pointers = {jacobians[0].data(), jacobians[1].data()};
   std::array<double, kMaxResidualRows> residual{};
-  constraint.residual->Evaluate(blocks.data(), residual.data(), pointers.data());
+  evaluate(graph, constraint, residual.data(), pointers.data());
   return {Eigen::Map<const Eigen::VectorXd>(residual.data(), count), jacobians[0].leftCols<6>(),
           jacobians[1].leftCols<6>()};
 }
 
 double kernel_weight(const Constraint& constraint, const Eigen::VectorXd& residual) {
   const auto kernel = make_kernel(constraint.kernel, constraint.kernel_size);
-  if (!kernel) return 1.0;
-  std::array<double, 3> value{};
-  kernel->Evaluate(residual.squaredNorm(), value.data());
-  return value[1];
+  return loss_at(kernel.get(), residual.squaredNorm()).second;
 }
 
 std::unique_ptr<BlockCholesky<6>> information_matrix(

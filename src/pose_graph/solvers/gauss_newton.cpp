@@ -8,8 +8,6 @@
 #include <string>
 #include <utility>
 
-#include <ceres/loss_function.h>
-
 #include "lidar_mapping/pose_graph/block_cholesky.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -29,14 +27,6 @@ struct Term {
   ceres::LossFunction* loss;
   int pair;  ///< number of its block off the diagonal; -1: none, because a node is fixed
 };
-
-/// Value and derivative of a loss at a squared norm.
-std::pair<double, double> loss_at(const ceres::LossFunction* loss, double squared_norm) {
-  if (loss == nullptr) return {squared_norm, 1.0};
-  std::array<double, 3> rho{};
-  loss->Evaluate(squared_norm, rho.data());
-  return {rho[0], rho[1]};
-}
 
 /// The normal equations of a graph; `size` is the dimension of a node's update.
 template <int size>
@@ -94,8 +84,6 @@ class NormalEquations {
  private:
   void mark_constrained(int node) { constrained_[node] = true; }
 
-  const double* state(int node) const { return graph_.states[node].data(); }
-
   void add(const Term& term) {
     switch (term.constraint->degrees_of_freedom()) {
       case 1:
@@ -117,17 +105,14 @@ class NormalEquations {
   void add_rows(const Term& term) {
     using Jacobian = Eigen::Matrix<double, rows, kBlock, Eigen::RowMajor>;
     const Constraint& constraint = *term.constraint;
-    const bool has_second = constraint.is_binary();
     std::array<Jacobian, 2> jacobians;
     Eigen::Matrix<double, rows, 1> residual;
-    const std::array<const double*, 2> blocks = {
-        state(constraint.first), state(has_second ? constraint.second : constraint.first)};
     std::array<double*, 2> targets = {jacobians[0].data(), jacobians[1].data()};
-    constraint.residual->Evaluate(blocks.data(), residual.data(), targets.data());
+    evaluate(graph_, constraint, residual.data(), targets.data());
     const double weight = loss_at(term.loss, residual.squaredNorm()).second;
     const Eigen::Matrix<double, rows, size> first = jacobians[0].template leftCols<size>();
     add_node(constraint.first, first, residual, weight);
-    if (!has_second) return;
+    if (!constraint.is_binary()) return;
     const Eigen::Matrix<double, rows, size> second = jacobians[1].template leftCols<size>();
     add_node(constraint.second, second, residual, weight);
     if (term.pair < 0) return;

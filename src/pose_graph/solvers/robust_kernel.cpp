@@ -144,6 +144,13 @@ std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double siz
   return nullptr;
 }
 
+std::pair<double, double> loss_at(const ceres::LossFunction* loss, double squared_norm) {
+  if (loss == nullptr) return {squared_norm, 1.0};
+  std::array<double, 3> rho{};
+  loss->Evaluate(squared_norm, rho.data());
+  return {rho[0], rho[1]};
+}
+
 double chi2_limit(int degrees_of_freedom) {
   constexpr std::array<double, 6> kQuantiles = {6.635, 9.210, 11.345, 13.277, 15.086, 16.812};
   if (degrees_of_freedom < 1 || degrees_of_freedom > static_cast<int>(kQuantiles.size())) {
