@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_tiles.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -23,8 +22,8 @@ PointTileIndex index_of(const Eigen::Vector3d& p_map) {
 PointTiles::PointTiles(std::filesystem::path directory, double resolution, std::size_t most_cached)
     : directory_(std::move(directory)),
       resolution_(resolution),
-      most_cached_(most_cached),
-      file_(directory_) {}
+      file_(directory_),
+      cache_(most_cached) {}
 
 /// Floats near the ground are exact: heights count from the first point.
 Eigen::Vector3d PointTiles::origin_of(const PointTileIndex& index) const {
@@ -102,29 +101,13 @@ std::vector<PointTileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_
 }
 
 PointTilePtr PointTiles::tile(const PointTileIndex& index) {
-  CachedTile& cached = cache_[index];
-  cached.last_use = ++uses_;
-  if (cached.tile) return cached.tile;
+  if (const PointTilePtr* const cached = cache_.find(index)) return *cached;
   const Part part = stored_.at(index);
   auto tile = std::make_shared<PointTile>();
   tile->origin = origin_of(index);
   tile->cloud.points.resize(part.count);
   file_.read(part.offset, tile->cloud.points.data(), part.count * sizeof(Point));
-  cached.tile = tile;
-  cached_points_ += part.count;
-  evict(index);
-  return tile;
-}
-
-void PointTiles::evict(const PointTileIndex& kept) {
-  while (cached_points_ > most_cached_ && cache_.size() > 1) {
-    const auto oldest = std::min_element(
-        cache_.begin(), cache_.end(),
-        [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });
-    if (oldest->first.column == kept.column && oldest->first.row == kept.row) return;
-    cached_points_ -= oldest->second.tile->cloud.size();
-    cache_.erase(oldest);
-  }
+  return cache_.insert(index, tile, part.count);
 }
 
 }  // namespace lidar_mapping::map_import

@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "lidar_mapping/common/lru_cache.hpp"
 #include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 
@@ -77,19 +78,13 @@ class PointTiles {
     std::vector<Point> buffer;
     std::vector<Part> parts;
   };
-  struct CachedTile {
-    PointTilePtr tile;
-    std::uint64_t last_use = 0;
-  };
   Eigen::Vector3d origin_of(const PointTileIndex& index) const;
   void store(PendingTile& tile);
   PointCloud collected(const PendingTile& tile) const;
-  void evict(const PointTileIndex& kept);
 
   std::filesystem::path directory_;
   double resolution_;
-  std::size_t most_cached_;  ///< points
-  double height_ = 0.0;      ///< of the origins of all squares, m
+  double height_ = 0.0;  ///< of the origins of all squares, m
   Eigen::AlignedBox3d bounds_;
   std::uint64_t points_ = 0;
   std::uint64_t thinned_ = 0;
@@ -98,9 +93,7 @@ class PointTiles {
   std::uint64_t pending_bytes_ = 0;
   std::map<PointTileIndex, Part> stored_;
   NamelessFile file_;
-  std::map<PointTileIndex, CachedTile> cache_;
-  std::size_t cached_points_ = 0;
-  std::uint64_t uses_ = 0;
+  LruCache<PointTileIndex, PointTilePtr> cache_;
 };
 
 }  // namespace lidar_mapping::map_import
