@@ -10,8 +10,8 @@
 
 #include <Eigen/Geometry>
 
+#include "lidar_mapping/common/list_file.hpp"
 #include "lidar_mapping/common/lru_cache.hpp"
-#include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 
 #include "map_input.hpp"
@@ -58,7 +58,7 @@ class PointTiles {
   void finish();
 
   /// All squares with points, in the order of their indices.
-  std::vector<PointTileIndex> indices() const;
+  std::vector<PointTileIndex> indices() const { return stored_.keys(); }
   /// Those of them that reach into a square around a position: `radius` (m) to each side.
   std::vector<PointTileIndex> indices_around(const Eigen::Vector3d& p_map, double radius) const;
   /// A square of indices().
@@ -70,13 +70,9 @@ class PointTiles {
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
 
  private:
-  struct Part {
-    std::uint64_t offset = 0;  ///< bytes
-    std::size_t count = 0;     ///< points
-  };
   struct PendingTile {
     std::vector<Point> buffer;
-    std::vector<Part> parts;
+    std::vector<std::size_t> parts;  ///< in the file
   };
   Eigen::Vector3d origin_of(const PointTileIndex& index) const;
   void store(PendingTile& tile);
@@ -89,10 +85,8 @@ class PointTiles {
   std::uint64_t points_ = 0;
   std::uint64_t thinned_ = 0;
   std::map<PointTileIndex, PendingTile> pending_;
-  std::unique_ptr<NamelessFile> pending_file_;
-  std::uint64_t pending_bytes_ = 0;
-  std::map<PointTileIndex, Part> stored_;
-  NamelessFile file_;
+  ListFile<std::size_t, Point> pending_parts_;
+  ListFile<PointTileIndex, Point> stored_;
   LruCache<PointTileIndex, PointTilePtr> cache_;
 };
 
