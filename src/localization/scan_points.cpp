@@ -22,9 +22,10 @@ constexpr float kJudgedRange = 40.0F;
 /// Slots of the table of cubes. Chosen: a power of two, twice the cubes of a scan at most.
 constexpr std::size_t kSlots = std::size_t{1} << 14;
 
-using Positions = std::vector<Eigen::Vector3f>;
+}  // namespace
 
-registration::NdtPoints arrays_of(const Positions& points, const Eigen::Vector3f& viewpoint) {
+registration::NdtPoints ndt_points(const std::vector<Eigen::Vector3f>& points,
+                                   const std::optional<Eigen::Vector3f>& viewpoint) {
   std::vector<float> x, y, z;
   for (const Eigen::Vector3f& p : points) {
     x.push_back(p.x());
@@ -35,8 +36,6 @@ registration::NdtPoints arrays_of(const Positions& points, const Eigen::Vector3f
   result.assign(x, y, z, std::vector<float>(x.size(), 0.0F), viewpoint);
   return result;
 }
-
-}  // namespace
 
 /// A cube that finds no free slot counts as known: a full table only drops points.
 bool ScanPointSampler::is_new_cube(const Eigen::Vector3f& p) {
@@ -55,7 +54,7 @@ bool ScanPointSampler::is_new_cube(const Eigen::Vector3f& p) {
 ScanPoints ScanPointSampler::sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar) {
   cubes_.assign(kSlots, 0);
   const Eigen::Vector3f viewpoint = p_base_lidar.cast<float>();
-  Positions all, near, structure;
+  std::vector<Eigen::Vector3f> all, near, structure;
   // So that any point of a cube may be the one that is taken.
   const std::size_t step = scattering_step(cloud.size());
   const std::size_t visited = std::min(cloud.size(), kMostVisited);
@@ -70,7 +69,8 @@ ScanPoints ScanPointSampler::sample(const PointCloud& cloud, const Eigen::Vector
   for (std::size_t i = 0; i < near.size(); ++i) {
     if (is_above[i]) structure.push_back(near[i]);
   }
-  return {arrays_of(all, viewpoint), arrays_of(near, viewpoint), arrays_of(structure, viewpoint)};
+  return {ndt_points(all, viewpoint), ndt_points(near, viewpoint),
+          ndt_points(structure, viewpoint)};
 }
 
 }  // namespace lidar_mapping::localization

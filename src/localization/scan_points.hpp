@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
 
 namespace lidar_mapping::localization {
+
+/// Points of one instant, seen from a viewpoint, as the matcher reads them.
+registration::NdtPoints ndt_points(const std::vector<Eigen::Vector3f>& points,
+                                   const std::optional<Eigen::Vector3f>& viewpoint);
 
 /// The points of a scan that are matched with the map.
 struct ScanPoints {

@@ -17,64 +17,35 @@ namespace lidar_mapping::map {
 
 namespace {
 
-// Rows of the table.
-
-/// A format of points alone, which is a single file.
-MapFormat points_format(const char* name, MapFormat::PointsWriter write_points) {
-  MapFormat format;
-  format.name = name;
-  format.single_file = true;
-  format.write_points = write_points;
-  return format;
-}
-
-/// A format that is a single file, but needs more than the points.
-MapFormat file_format(const char* name, MapFormat::ProductWriterMember write) {
-  MapFormat format;
-  format.name = name;
-  format.single_file = true;
-  format.write = write;
-  return format;
-}
-
-/// A format of several files or folders, whose names do not depend on that of the map.
-MapFormat folder_format(const char* name, const char* remark,
-                        MapFormat::ProductWriterMember write) {
-  MapFormat format;
-  format.name = name;
-  format.remark = remark;
-  format.write = write;
-  return format;
-}
-
-MapFormat with_obstacle(std::string (*obstacle)(), MapFormat format) {
-  format.obstacle = obstacle;
-  return format;
-}
-
-MapFormat with_check(void (*check)(const MapConfig& config), MapFormat format) {
-  format.check = check;
-  return format;
-}
-
 void check_grid_cell(const MapConfig& config) { grid_cell(config); }
+
+/// The names of the formats that are wanted, in the order of the table.
+template <typename IsWanted>
+std::vector<std::string> names_of(const IsWanted& is_wanted) {
+  std::vector<std::string> names;
+  for (const MapFormat& format : map_formats()) {
+    if (is_wanted(format)) names.emplace_back(format.name);
+  }
+  return names;
+}
 
 }  // namespace
 
 const std::vector<MapFormat>& map_formats() {
   using Writer = ProductWriter;
+  // name, remark, single file, writer of points or of all else, obstacle, check
   static const std::vector<MapFormat> formats = {
-      points_format("pcd", &write_pcd),
-      points_format("ply", &write_ply),
-      folder_format("png", "view from above", &Writer::write_picture),
-      file_format("las", &Writer::write_las),
-      folder_format("tiles", "Autoware", &Writer::write_tiles),
-      with_check(&check_grid_cell, folder_format("grid", "map_server", &Writer::write_grid)),
-      folder_format("ept", "Entwine Point Tiles", &Writer::write_ept),
-      with_obstacle(&web_obstacle, folder_format("web", "page for a browser", &Writer::write_web)),
-      with_obstacle(&geotiff_obstacle, folder_format("geotiff", "rasters", &Writer::write_geotiff)),
-      folder_format("geojson", "trajectory, loops, doubt", &Writer::write_geojson),
-      folder_format("changes", "between visits", &Writer::write_changes)};
+      {"pcd", "", true, &write_pcd},
+      {"ply", "", true, &write_ply},
+      {"png", "view from above", false, nullptr, &Writer::write_picture},
+      {"las", "", true, nullptr, &Writer::write_las},
+      {"tiles", "Autoware", false, nullptr, &Writer::write_tiles},
+      {"grid", "map_server", false, nullptr, &Writer::write_grid, nullptr, &check_grid_cell},
+      {"ept", "Entwine Point Tiles", false, nullptr, &Writer::write_ept},
+      {"web", "page for a browser", false, nullptr, &Writer::write_web, &web_obstacle},
+      {"geotiff", "rasters", false, nullptr, &Writer::write_geotiff, &geotiff_obstacle},
+      {"geojson", "trajectory, loops, doubt", false, nullptr, &Writer::write_geojson},
+      {"changes", "between visits", false, nullptr, &Writer::write_changes}};
   return formats;
 }
 
@@ -113,11 +84,7 @@ std::string obstacle_to(const std::string& format) {
 }
 
 const std::vector<std::string>& product_formats() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const MapFormat& format : map_formats()) all.emplace_back(format.name);
-    return all;
-  }();
+  static const auto names = names_of([](const MapFormat&) { return true; });
   return names;
 }
 
@@ -131,19 +98,11 @@ std::string product_format_help() {
 }
 
 std::vector<std::string> single_file_formats() {
-  std::vector<std::string> names;
-  for (const MapFormat& format : map_formats()) {
-    if (format.single_file) names.emplace_back(format.name);
-  }
-  return names;
+  return names_of([](const MapFormat& format) { return format.single_file; });
 }
 
 std::vector<std::string> point_formats() {
-  std::vector<std::string> names;
-  for (const MapFormat& format : map_formats()) {
-    if (format.write_points != nullptr) names.emplace_back(format.name);
-  }
-  return names;
+  return names_of([](const MapFormat& format) { return format.write_points != nullptr; });
 }
 
 }  // namespace lidar_mapping::map

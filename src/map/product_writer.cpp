@@ -140,20 +140,13 @@ void ProductWriter::make_tiles_of_levels() {
   write_whole_folder(ept_folder(), "ept.json", "Entwine Point Tiles",
                      [&](const std::filesystem::path& folder) {
                        map::write_ept(tiles(), ept, folder);
-                       if (is_selected(&ProductWriter::write_web)) add_web_page(web_page(), folder);
+                       if (is_selected("web")) add_web_page(web_page(), folder);
                      });
   has_tiles_of_levels_ = true;
 }
 
 bool ProductWriter::is_selected(const std::string& format) const {
   return contains(options_.formats, format);
-}
-
-bool ProductWriter::is_selected(void (ProductWriter::*writer)()) const {
-  const auto& formats = map_formats();
-  return std::any_of(formats.begin(), formats.end(), [&](const MapFormat& format) {
-    return format.write == writer && is_selected(format.name);
-  });
 }
 
 WebPage ProductWriter::web_page() {
@@ -219,7 +212,7 @@ void ProductWriter::write_point_files() {
   }
   if (formats.empty()) return;
   ConcurrentTask concurrent_task;
-  if (is_selected(&ProductWriter::write_picture)) {
+  if (is_selected("png")) {
     concurrent_task = {[this] { draw(); }, config_.threads};
   }
   add(map::write_point_files(options_.utm ? in_utm(points()) : points(), description(), directory_,
@@ -293,6 +286,18 @@ void ProductWriter::write_removed() {
 
 void ProductWriter::add(const Files& files) {
   products_.files.insert(products_.files.end(), files.begin(), files.end());
+}
+
+Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
+                        const ProductOptions& requested_options,
+                        const std::filesystem::path& directory) {
+  ProductOptions options = requested_options;
+  options.formats = known_formats(requested_options.formats, config);
+  if (options.utm && !options.datum) {
+    throw InputError(
+        "the place of the map on Earth is not known, as there was no GNSS; leave UTM out");
+  }
+  return ProductWriter(poses, clouds, config, options, directory).write();
 }
 
 }  // namespace lidar_mapping::map

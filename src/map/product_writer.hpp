@@ -43,8 +43,6 @@ class ProductWriter {
 
  private:
   bool is_selected(const std::string& format) const;
-  /// Whether the format that `writer` writes is selected.
-  bool is_selected(void (ProductWriter::*writer)()) const;
 
   // Sources of what is written.
   CloudSource& uncropped();

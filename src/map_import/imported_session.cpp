@@ -26,9 +26,7 @@ Covariance6 covariance_over(double distance) {
                              kStddev_rad + kStddevPerMetre_rad * distance);
 }
 
-std::string to_yaml(const MapDescription& description) {
-  const ImportOptions& options = description.options;
-  const Eigen::Vector3d& origin = description.origin;
+std::string to_yaml(const ImportOptions& options, const Eigen::Vector3d& origin) {
   std::string text = "map: " + quoted(options.map.string(), '\'') + "\n";
   text += "trajectory: " + quoted(options.trajectory, '\'') + "\n";
   text += formatted("origin: [%.0f, %.0f, %.0f]\n", origin.x(), origin.y(), origin.z());
@@ -40,11 +38,13 @@ std::string to_yaml(const MapDescription& description) {
 
 }  // namespace
 
-void SessionWriter::describe(const MapDescription& description) {
-  origin_ = description.origin;
-  session_.set_configuration(session::kImportedMap, to_yaml(description));
-  session_.set_sensor_origin(description.p_base_lidar);
-  if (description.datum) session_.set_datum(*description.datum);
+void SessionWriter::describe(const ImportOptions& options, const Eigen::Vector3d& origin,
+                             const Eigen::Vector3d& p_base_lidar,
+                             const std::optional<GeodeticDatum>& datum) {
+  origin_ = origin;
+  session_.set_configuration(session::kImportedMap, to_yaml(options, origin));
+  session_.set_sensor_origin(p_base_lidar);
+  if (datum) session_.set_datum(*datum);
 }
 
 void SessionWriter::add(const Place& place, PointCloud&& cloud) {

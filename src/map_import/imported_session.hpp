@@ -8,14 +8,6 @@
 
 namespace lidar_mapping::map_import {
 
-/// What a session says of its map as a whole.
-struct MapDescription {
-  const ImportOptions& options;
-  Eigen::Vector3d origin;        ///< of the session's frame in that of the map, m
-  Eigen::Vector3d p_base_lidar;  ///< m
-  std::optional<GeodeticDatum> datum;
-};
-
 /// Writes the key frames of an imported map as those of one segment, with the poses of the map as
 /// odometry and as optimised poses.
 class SessionWriter {
@@ -23,8 +15,10 @@ class SessionWriter {
   /// The session must outlive this object.
   explicit SessionWriter(session::Session& session) : session_(session) {}
 
-  /// Writes datum, LiDAR and parameters; before the first key frame.
-  void describe(const MapDescription& description);
+  /// Writes datum, LiDAR (in base_link, m) and parameters; before the first key frame. `origin` is
+  /// that of the session's frame in that of the map, m.
+  void describe(const ImportOptions& options, const Eigen::Vector3d& origin,
+                const Eigen::Vector3d& p_base_lidar, const std::optional<GeodeticDatum>& datum);
   /// Writes a key frame with its cloud in base_link.
   void add(const Place& place, PointCloud&& cloud);
   /// Writes the poses of all key frames and the trajectory files.

@@ -124,7 +124,7 @@ class Import {
       report_(formatted("the session's coordinates are those of the map minus %.0f %.0f %.0f",
                         origin.x(), origin.y(), origin.z()));
     }
-    writer_.describe({options_, origin, p_base_lidar(), datum});
+    writer_.describe(options_, origin, p_base_lidar(), datum);
   }
 
   Eigen::Vector3d p_base_lidar() const {

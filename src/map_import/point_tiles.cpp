@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_tiles.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -23,8 +22,9 @@ PointTileIndex index_of(const Eigen::Vector3d& p_map) {
 PointTiles::PointTiles(std::filesystem::path directory, double resolution, std::size_t most_cached)
     : directory_(std::move(directory)),
       resolution_(resolution),
-      most_cached_(most_cached),
-      file_(directory_) {}
+      pending_parts_(directory_),
+      stored_(directory_),
+      cache_(most_cached) {}
 
 /// Floats near the ground are exact: heights count from the first point.
 Eigen::Vector3d PointTiles::origin_of(const PointTileIndex& index) const {
@@ -45,45 +45,30 @@ void PointTiles::add(const std::vector<MapPoint>& points) {
 }
 
 void PointTiles::store(PendingTile& tile) {
-  if (!pending_file_) pending_file_ = std::make_unique<NamelessFile>(directory_);
-  const std::size_t bytes = tile.buffer.size() * sizeof(Point);
-  pending_file_->write(pending_bytes_, tile.buffer.data(), bytes);
-  tile.parts.push_back({pending_bytes_, tile.buffer.size()});
-  pending_bytes_ += bytes;
+  tile.parts.push_back(pending_parts_.size());
+  pending_parts_.put(tile.parts.back(), tile.buffer);
   tile.buffer.clear();
 }
 
 PointCloud PointTiles::collected(const PendingTile& tile) const {
   PointCloud cloud;
-  cloud.points.resize(tile.parts.size() * kBuffer);
-  std::size_t count = 0;
-  for (const Part& part : tile.parts) {
-    pending_file_->read(part.offset, cloud.points.data() + count, part.count * sizeof(Point));
-    count += part.count;
+  cloud.points.reserve(tile.parts.size() * kBuffer + tile.buffer.size());
+  for (const std::size_t number : tile.parts) {
+    const std::vector<Point> part = pending_parts_.get(number);
+    cloud.points.insert(cloud.points.end(), part.begin(), part.end());
   }
   cloud.points.insert(cloud.points.end(), tile.buffer.begin(), tile.buffer.end());
   return cloud;
 }
 
 void PointTiles::finish() {
-  std::uint64_t offset = 0;
-  while (!pending_.empty()) {
-    const auto first = pending_.begin();
-    const PointCloud cloud = voxel_filtered(collected(first->second), resolution_);
-    const std::size_t bytes = cloud.size() * sizeof(Point);
-    file_.write(offset, cloud.points.data(), bytes);
-    stored_[first->first] = {offset, cloud.size()};
-    offset += bytes;
+  for (; !pending_.empty(); pending_.erase(pending_.begin())) {
+    const auto& [index, tile] = *pending_.begin();
+    const PointCloud cloud = voxel_filtered(collected(tile), resolution_);
+    stored_.put(index, cloud.points);
     thinned_ += cloud.size();
-    pending_.erase(first);
   }
-  pending_file_.reset();
-}
-
-std::vector<PointTileIndex> PointTiles::indices() const {
-  std::vector<PointTileIndex> indices;
-  for (const auto& [index, part] : stored_) indices.push_back(index);
-  return indices;
+  pending_parts_ = ListFile<std::size_t, Point>(directory_);
 }
 
 std::vector<PointTileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_map,
@@ -92,39 +77,19 @@ std::vector<PointTileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_
   const PointTileIndex high = index_of(p_map + Eigen::Vector3d::Constant(radius));
   std::vector<PointTileIndex> indices;
   for (std::int64_t column = low.column; column <= high.column; ++column) {
-    for (auto tile = stored_.lower_bound({column, low.row});
-         tile != stored_.end() && tile->first.column == column && tile->first.row <= high.row;
-         ++tile) {
-      indices.push_back(tile->first);
+    for (std::int64_t row = low.row; row <= high.row; ++row) {
+      if (stored_.contains({column, row})) indices.push_back({column, row});
     }
   }
   return indices;
 }
 
 PointTilePtr PointTiles::tile(const PointTileIndex& index) {
-  CachedTile& cached = cache_[index];
-  cached.last_use = ++uses_;
-  if (cached.tile) return cached.tile;
-  const Part part = stored_.at(index);
+  if (const PointTilePtr* const cached = cache_.find(index)) return *cached;
   auto tile = std::make_shared<PointTile>();
   tile->origin = origin_of(index);
-  tile->cloud.points.resize(part.count);
-  file_.read(part.offset, tile->cloud.points.data(), part.count * sizeof(Point));
-  cached.tile = tile;
-  cached_points_ += part.count;
-  evict(index);
-  return tile;
-}
-
-void PointTiles::evict(const PointTileIndex& kept) {
-  while (cached_points_ > most_cached_ && cache_.size() > 1) {
-    const auto oldest = std::min_element(
-        cache_.begin(), cache_.end(),
-        [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });
-    if (oldest->first.column == kept.column && oldest->first.row == kept.row) return;
-    cached_points_ -= oldest->second.tile->cloud.size();
-    cache_.erase(oldest);
-  }
+  tile->cloud.points = stored_.get(index);
+  return cache_.insert(index, tile, tile->cloud.size());
 }
 
 }  // namespace lidar_mapping::map_import

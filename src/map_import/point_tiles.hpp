@@ -10,7 +10,8 @@
 
 #include <Eigen/Geometry>
 
-#include "lidar_mapping/common/nameless_file.hpp"
+#include "lidar_mapping/common/list_file.hpp"
+#include "lidar_mapping/common/lru_cache.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 
 #include "map_input.hpp"
@@ -57,7 +58,7 @@ class PointTiles {
   void finish();
 
   /// All squares with points, in the order of their indices.
-  std::vector<PointTileIndex> indices() const;
+  std::vector<PointTileIndex> indices() const { return stored_.keys(); }
   /// Those of them that reach into a square around a position: `radius` (m) to each side.
   std::vector<PointTileIndex> indices_around(const Eigen::Vector3d& p_map, double radius) const;
   /// A square of indices().
@@ -69,38 +70,24 @@ class PointTiles {
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
 
  private:
-  struct Part {
-    std::uint64_t offset = 0;  ///< bytes
-    std::size_t count = 0;     ///< points
-  };
   struct PendingTile {
     std::vector<Point> buffer;
-    std::vector<Part> parts;
-  };
-  struct CachedTile {
-    PointTilePtr tile;
-    std::uint64_t last_use = 0;
+    std::vector<std::size_t> parts;  ///< in the file
   };
   Eigen::Vector3d origin_of(const PointTileIndex& index) const;
   void store(PendingTile& tile);
   PointCloud collected(const PendingTile& tile) const;
-  void evict(const PointTileIndex& kept);
 
   std::filesystem::path directory_;
   double resolution_;
-  std::size_t most_cached_;  ///< points
-  double height_ = 0.0;      ///< of the origins of all squares, m
+  double height_ = 0.0;  ///< of the origins of all squares, m
   Eigen::AlignedBox3d bounds_;
   std::uint64_t points_ = 0;
   std::uint64_t thinned_ = 0;
   std::map<PointTileIndex, PendingTile> pending_;
-  std::unique_ptr<NamelessFile> pending_file_;
-  std::uint64_t pending_bytes_ = 0;
-  std::map<PointTileIndex, Part> stored_;
-  NamelessFile file_;
-  std::map<PointTileIndex, CachedTile> cache_;
-  std::size_t cached_points_ = 0;
-  std::uint64_t uses_ = 0;
+  ListFile<std::size_t, Point> pending_parts_;
+  ListFile<PointTileIndex, Point> stored_;
+  LruCache<PointTileIndex, PointTilePtr> cache_;
 };
 
 }  // namespace lidar_mapping::map_import

@@ -7,10 +7,11 @@
 #include <memory>
 #include <set>
 
+#include "lidar_mapping/common/list_file.hpp"
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/moving_objects/transformed_points.hpp"
 
-#include "mark_file.hpp"
+#include "marks.hpp"
 #include "visibility/observers.hpp"
 #include "votes/moving_points.hpp"
 
@@ -122,7 +123,7 @@ class StaticClouds::Impl {
   CloudSource& clouds_;
   const MovingObjectsConfig config_;
   Observers observers_;
-  MarkFile marks_;  ///< Moving points.
+  ListFile<Position, Marks::value_type> marks_;  ///< Moving points.
 };
 
 StaticClouds::StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,

@@ -16,6 +16,7 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/list_file.hpp"
 #include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 
@@ -186,6 +187,21 @@ TEST_F(NamelessFileIn, EndsWhereWasWrittenLast) {
 TEST_F(NamelessFileIn, NeedsAFolder) {
   write_text_atomically(path_, "no folder");
   EXPECT_THROW(NamelessFile file(path_), FileError);
+}
+
+TEST_F(NamelessFileIn, HoldsListsByTheirKeys) {
+  ListFile<int, std::uint32_t> file(folder_.path());
+  EXPECT_FALSE(file.contains(4));
+  file.put(4, {1, 2, 4'000'000'000U});
+  file.put(0, {});
+  file.put(9, {7});
+  EXPECT_TRUE(file.contains(4));
+  EXPECT_TRUE(file.contains(0)) << "also without values";
+  EXPECT_FALSE(file.contains(1));
+  EXPECT_EQ(file.keys(), (std::vector<int>{0, 4, 9}));
+  EXPECT_EQ(file.get(9), (std::vector<std::uint32_t>{7}));
+  EXPECT_EQ(file.get(4), (std::vector<std::uint32_t>{1, 2, 4'000'000'000U}));
+  EXPECT_TRUE(file.get(0).empty());
 }
 
 // Headers of PCD files.

@@ -15,19 +15,6 @@ namespace {
 using lidar_mapping::test::near;
 using loop_closing::test::Box;
 
-constexpr double kStreets = 48.0;  // m between the streets of the town
-
-const ToyWorld& town() {
-  static const ToyWorld world = make_town(150.0, kStreets, 3);
-  return world;
-}
-
-/// The map of one street and of one across.
-MapIndex& town_map() {
-  static ToyMap map(town(), along({{-90.0, 0.0}, {48.0, 0.0}, {48.0, 90.0}}));
-  return map.index();
-}
-
 /// Poses along a line, two metres apart.
 std::vector<Pose> line(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return along({from, to}, 2.0);
@@ -50,6 +37,14 @@ void expect_right(const std::vector<LocalizationResult>& results, const std::vec
     EXPECT_TRUE(near(results[i].T_map_base, truth[i], tolerance_m, 0.01))
         << "scan " << i << ": " << results[i].reason;
   }
+}
+
+/// Drives along a path, on which the place has to be found and all poses have to be right.
+std::vector<LocalizationResult> expect_found(Vehicle& vehicle, const std::vector<Pose>& path) {
+  std::vector<LocalizationResult> results = vehicle.drive(path);
+  EXPECT_TRUE(found_after(results).has_value()) << results.back().reason;
+  expect_right(results, path);
+  return results;
 }
 
 std::size_t count(const std::vector<LocalizationResult>& results, LocalizationState state) {
@@ -86,10 +81,7 @@ TEST(Localizer, GivesTheMatchedPointsWhileThereIsAPose) {
 
 TEST(Localizer, FindsItselfInTheOppositeDirectionOnTheOtherLane) {
   Vehicle vehicle(town(), town_map());
-  const auto path = line({20.0, 2.0}, {-40.0, 2.0});
-  const auto results = vehicle.drive(path);
-  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-  expect_right(results, path);
+  expect_found(vehicle, line({20.0, 2.0}, {-40.0, 2.0}));
 }
 
 // Of a wall its scans see what is too high for the LiDAR that made the map.
@@ -97,19 +89,14 @@ TEST(Localizer, FindsItsPlaceInTheMapOfALidarThatLooksDownwards) {
   const ToyWorld seen = seen_downwards(town());
   ToyMap map(seen, along({{-90.0, 0.0}, {48.0, 0.0}}));
   Vehicle vehicle(town(), map.index());
-  const auto path = line({-50.0, -1.0}, {0.0, -1.0});
-  const auto results = vehicle.drive(path);
-  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-  expect_right(results, path);
+  expect_found(vehicle, line({-50.0, -1.0}, {0.0, -1.0}));
 }
 
 TEST(Localizer, FindsItselfAtRestInAnyHeading) {
   for (const double heading : {0.7, 2.4, -1.1}) {
     Vehicle vehicle(town(), town_map());
-    const std::vector<Pose> path(20, planar(-30.0, 1.0, heading));
-    const auto results = vehicle.drive(path);
-    ASSERT_TRUE(found_after(results).has_value()) << heading << results.back().reason;
-    expect_right(results, path);
+    SCOPED_TRACE(heading);
+    expect_found(vehicle, std::vector<Pose>(20, planar(-30.0, 1.0, heading)));
   }
 }
 
@@ -202,10 +189,7 @@ TEST_F(Twins, AreDistinguishedByAnInitialPose) {
   for (const double east : {0.0, 400.0}) {
     Vehicle vehicle(world(), map());
     vehicle.localizer().set_initial_pose(planar(east + 2.0, -93.0, 1.5));
-    const auto path = line({east, -95.0}, {east, -50.0});
-    const auto results = vehicle.drive(path);
-    ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-    expect_right(results, path);
+    expect_found(vehicle, line({east, -95.0}, {east, -50.0}));
   }
 }
 
@@ -215,10 +199,7 @@ TEST_F(Twins, AreDistinguishedByAnInitialPoseOfAnotherHeight) {
   Pose claimed = planar(402.0, -93.0, 1.5);
   claimed.translation.z() = 30.0;
   vehicle.localizer().set_initial_pose(claimed);
-  const auto path = line({400.0, -95.0}, {400.0, -50.0});
-  const auto results = vehicle.drive(path);
-  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-  expect_right(results, path);
+  expect_found(vehicle, line({400.0, -95.0}, {400.0, -50.0}));
 }
 
 /// A town, and the same once more 400 m east.
@@ -247,10 +228,7 @@ TEST(Localizer, IsNotWhereTheMapEnded) {
 TEST(Localizer, IsNotMisledByAWrongInitialPose) {
   Vehicle vehicle(town(), town_map());
   vehicle.localizer().set_initial_pose(planar(48.0, 60.0, 1.57));
-  const auto path = line({-50.0, -1.0}, {0.0, -1.0});
-  const auto results = vehicle.drive(path);
-  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-  expect_right(results, path);
+  expect_found(vehicle, line({-50.0, -1.0}, {0.0, -1.0}));
 }
 
 TEST(Localizer, CrossesByOdometryWhatTheMapDoesNotContain) {
@@ -350,24 +328,18 @@ TEST(Localizer, SearchesAgainAfterAnInterruptionOfOdometry) {
   Vehicle vehicle(town(), town_map());
   ASSERT_TRUE(has_pose(vehicle.drive(line({-80.0, 0.0}, {-40.0, 0.0})).back().state));
   vehicle.interrupt();
-  const auto path = line({48.0, 20.0}, {48.0, 60.0});
-  const auto results = vehicle.drive(path);
+  const auto results = expect_found(vehicle, line({48.0, 20.0}, {48.0, 60.0}));
   EXPECT_EQ(results.front().state, LocalizationState::kLost);
   EXPECT_NE(results.front().reason.find("odometry was interrupted"), std::string::npos);
-  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-  expect_right(results, path);
 }
 
 TEST(Localizer, SearchesAgainWhenAPersonWantsIt) {
   Vehicle vehicle(town(), town_map());
   ASSERT_TRUE(has_pose(vehicle.drive(line({-80.0, 0.0}, {-40.0, 0.0})).back().state));
   vehicle.localizer().restart();
-  const auto path = line({-38.0, 0.0}, {0.0, 0.0});
-  const auto results = vehicle.drive(path);
+  const auto results = expect_found(vehicle, line({-38.0, 0.0}, {0.0, 0.0}));
   EXPECT_EQ(results.front().state, LocalizationState::kSearching);
   EXPECT_FALSE(has_pose(results.front().state));
-  ASSERT_TRUE(found_after(results).has_value()) << results.back().reason;
-  expect_right(results, path);
 }
 
 TEST(Localizer, HasTheSameResultsEveryTime) {

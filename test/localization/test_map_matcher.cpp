@@ -148,13 +148,13 @@ class PartialAgreement : public Matching {
     std::vector<Eigen::Vector3f> points(100, Eigen::Vector3f(0.0F, 0.0F, 35.0F));
     std::fill_n(points.begin(), percent, point_);
     ScanPoints scan = scan_;
-    scan.structure = points_at(points);
+    scan.structure = ndt_points(points, scan_.all.viewpoint());
     return scan;
   }
   /// The scan of a covered sensor, which tells nothing.
   ScanPoints covered() const {
     ScanPoints scan = scan_;
-    scan.near = points_at({point_});
+    scan.near = ndt_points({point_}, scan_.all.viewpoint());
     return scan;
   }
   static Hypothesis start() { return place_at(planar(10.15, 0.9, 0.11)); }
@@ -186,17 +186,6 @@ class PartialAgreement : public Matching {
       if (std::min(at_first, place.match().agreement.agreement) > 0.95) return;
     }
     ADD_FAILURE() << "no point of the scan lies on a surface";
-  }
-  registration::NdtPoints points_at(const std::vector<Eigen::Vector3f>& positions) const {
-    std::vector<float> x, y, z;
-    for (const Eigen::Vector3f& p : positions) {
-      x.push_back(p.x());
-      y.push_back(p.y());
-      z.push_back(p.z());
-    }
-    registration::NdtPoints points;
-    points.assign(x, y, z, std::vector<float>(x.size(), 0.0F), scan_.all.viewpoint());
-    return points;
   }
 
   ScanPoints scan_;

@@ -12,16 +12,6 @@ namespace {
 using lidar_mapping::test::near;
 using Confirmation = PlaceFinder::Confirmation;
 
-const ToyWorld& town() {
-  static const ToyWorld world = make_town(150.0, 48.0, 3);
-  return world;
-}
-
-MapParts& town_map() {
-  static ToyMap map(town(), along({{-90.0, 0.0}, {48.0, 0.0}, {48.0, 90.0}}));
-  return map.index().parts();
-}
-
 /// A vehicle that stands still in a street of the map.
 class PlaceFinderTest : public testing::Test {
  protected:
@@ -41,7 +31,7 @@ class PlaceFinderTest : public testing::Test {
 
   ScanPointSampler sampler_;
   MapMatcher matcher_;
-  PlaceFinder finder_{town_map()};
+  PlaceFinder finder_{town_map().parts()};
 };
 
 TEST_F(PlaceFinderTest, ConfirmsAPlaceAfterAMetreOrFiveScans) {

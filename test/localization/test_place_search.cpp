@@ -17,16 +17,9 @@ using lidar_mapping::test::near;
 
 class Search : public testing::Test {
  protected:
-  Search()
-      : world_(make_town(150.0, 48.0, 3)),
-        map_(world_, along({{-90.0, 0.0}, {48.0, 0.0}, {48.0, 90.0}})),
-        places_(map_.index().parts().places) {}
+  void see(const Pose& truth) { recent_.add(town().scan(truth, 9), truth, ToyWorld::sensor()); }
 
-  void see(const Pose& truth) { recent_.add(world_.scan(truth, 9), truth, ToyWorld::sensor()); }
-
-  const ToyWorld world_;
-  ToyMap map_;
-  PlaceSearch& places_;
+  PlaceSearch& places_ = town_map().parts().places;
   RecentScans recent_{0.4, 0.4};
 };
 

@@ -48,6 +48,19 @@ class ToyMap {
   MapIndex index_;
 };
 
+constexpr double kStreets = 48.0;  ///< m between the streets of a town
+
+inline const ToyWorld& town() {
+  static const ToyWorld world = make_town(150.0, kStreets, 3);
+  return world;
+}
+
+/// The map of one street of town() and of one across.
+inline MapIndex& town_map() {
+  static ToyMap map(town(), along({{-90.0, 0.0}, {kStreets, 0.0}, {kStreets, 90.0}}));
+  return map.index();
+}
+
 /// A vehicle in a world that localises itself, scan by scan.
 class Vehicle {
  public:

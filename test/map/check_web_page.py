@@ -157,8 +157,7 @@ def check_page(browser, folder, options):
         check(len(browser.requested) > 5, f'requests: {browser.requested}')
         for url in browser.requested:
             check(url.startswith((address, 'about:', 'data:')), f'the page asked for {url}')
-        hash_before = browser.value('location.hash')
-        return shown, address, hash_before
+        return shown
 
 
 def check_view_is_kept(browser, address):
@@ -260,7 +259,7 @@ def main():
     with profile_folder() as profile:
         browser = Browser(program, profile, options.size)
         try:
-            shown, address, _ = check_page(browser, folder, options)
+            shown = check_page(browser, folder, options)
             print(f'{shown["points"]} points, first picture after {shown["firstPicture"]} ms')
             if options.screenshot:
                 return

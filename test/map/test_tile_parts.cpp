@@ -20,7 +20,7 @@ namespace {
 TEST(TileGrid, DividesThePlaneOnBothSidesOfZero) {
   const TileGrid grid(0.5, 20.0);
   const auto tile_of = [&](double x, double y) {
-    return grid.square_of(grid.voxel_of({x, y, 0.0})).tile();
+    return grid.square_of(grid.voxel_of({x, y, 0.0})).tile;
   };
   EXPECT_EQ(tile_of(0.0, 0.0), (TileIndex{0, 0}));
   EXPECT_EQ(tile_of(19.9, 20.0), (TileIndex{0, 1}));
@@ -32,7 +32,7 @@ TEST(TileGrid, DividesThePlaneOnBothSidesOfZero) {
 TEST(TileGrid, HasSquaresWithTheirOrigin) {
   const TileGrid grid(0.5, 20.0);
   const TileGrid::Square square = grid.square_of(grid.voxel_of({-30.0, 50.0, 3.0}));
-  EXPECT_TRUE(test::near(square.origin(), Eigen::Vector3d(-40.0, 40.0, 0.0), 1e-12));
+  EXPECT_TRUE(test::near(square.origin, Eigen::Vector3d(-40.0, 40.0, 0.0), 1e-12));
   EXPECT_TRUE(square.contains(grid.voxel_of({-40.0, 40.0, -100.0})));
   EXPECT_TRUE(square.contains(grid.voxel_of({-20.1, 59.9, 100.0})));
   EXPECT_FALSE(square.contains(grid.voxel_of({-19.9, 50.0, 0.0})));
@@ -45,12 +45,12 @@ TEST(TileGrid, HasSquaresWithTheirOrigin) {
 TEST(TileGrid, HasTilesOfWholeVoxels) {
   const TileGrid grid(0.4, 7.3);
   const auto origin = [&](double x) {
-    return grid.square_of(grid.voxel_of({x, 0.0, 0.0})).origin().x();
+    return grid.square_of(grid.voxel_of({x, 0.0, 0.0})).origin.x();
   };
   EXPECT_NEAR(origin(7.0), 0.0, 1e-12);
   EXPECT_NEAR(origin(7.21), 7.2, 1e-12) << "18 voxels";
   const TileGrid small(0.4, 0.1);
-  EXPECT_NEAR(small.square_of(small.voxel_of({0.9, 0.0, 0.0})).origin().x(), 0.8, 1e-12)
+  EXPECT_NEAR(small.square_of(small.voxel_of({0.9, 0.0, 0.0})).origin.x(), 0.8, 1e-12)
       << "at least one voxel";
 }
 

@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "error_text.hpp"
 #include "file_content.hpp"
 #include "files/ept_file.hpp"
 #include "temporary_folder.hpp"
@@ -91,13 +92,8 @@ TEST_F(Web, RunsInChromium) {
 TEST(Three, IsMissingWithARemedy) {
   const TemporaryFolder folder;
   const std::vector<fs::path> places = {folder.path() / "a.js", folder.path() / "b.js"};
-  try {
-    find_three(places);
-    FAIL() << "it was found";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("install the package libjs-three"), std::string::npos)
-        << error.what();
-  }
+  const std::string problem = test::error_text<InputError>([&] { find_three(places); });
+  EXPECT_NE(problem.find("install the package libjs-three"), std::string::npos) << problem;
   std::ofstream(places[1]) << "//";
   EXPECT_EQ(find_three(places), places[1]);
 }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who else passed by, and the marks of points that are kept for each key frame.
+// Who else passed by, and marks of points.
 
 #include <map>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "mark_file.hpp"
-#include "temporary_folder.hpp"
+#include "marks.hpp"
 #include "visits/other_visits.hpp"
 
 namespace lidar_mapping::moving_objects {
@@ -97,21 +96,6 @@ TEST(Marks, PartACloud) {
   EXPECT_TRUE(marked_points(cloud, {})->empty());
   EXPECT_EQ(unmarked_points(cloud, {})->size(), 5U);
   EXPECT_TRUE(unmarked_points(cloud, {0, 1, 2, 3, 4})->empty());
-}
-
-TEST(MarkFile, GivesTheMarksOfEachKeyFrame) {
-  const test::TemporaryFolder folder;
-  MarkFile file(folder.path());
-  EXPECT_FALSE(file.contains(4));
-  file.put(4, {1, 2, 4'000'000'000U});
-  file.put(0, {});
-  file.put(9, {7});
-  EXPECT_TRUE(file.contains(4));
-  EXPECT_TRUE(file.contains(0)) << "also without marks";
-  EXPECT_FALSE(file.contains(1));
-  EXPECT_EQ(file.get(9), (Marks{7}));
-  EXPECT_EQ(file.get(4), (Marks{1, 2, 4'000'000'000U}));
-  EXPECT_EQ(file.get(0), Marks());
 }
 
 }  // namespace

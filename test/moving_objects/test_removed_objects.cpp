@@ -118,14 +118,6 @@ TEST(RemovedObjects, LeaveWhatIsOutOfRange) {
   EXPECT_EQ(removed({"gg"}), "--") << "there is no object at all";
 }
 
-TEST(CellSet, HasTheCellsThatWereAdded) {
-  CellSet cells(200);
-  for (const std::uint32_t cell : {0U, 63U, 64U, 199U}) cells.add(cell);
-  for (std::uint32_t cell = 0; cell < 200; ++cell) {
-    EXPECT_EQ(cells.has(cell), cell == 0 || cell == 63 || cell == 64 || cell == 199) << cell;
-  }
-}
-
 TEST(CellNumbers, AreNoneUntilTheyAreSet) {
   CellNumbers numbers(100);
   numbers.set(99, 7);

@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/lru_cache.hpp"
 #include "lidar_mapping/loop_closing/key_frame_preparation.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
 #include "decision/verification.hpp"
-#include "matching/lru_cache.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -57,8 +57,8 @@ class SubmapBuilder {
   PointCloudPtr newest_;
   KeyFramePreparation preparation_;
   VoxelMeans voxels_;
-  LruCache<PointsPtr> points_cache_;
-  LruCache<std::shared_ptr<const Submap>> submap_cache_;
+  LruCache<KeyFrameIndex, PointsPtr> points_cache_;
+  LruCache<KeyFrameIndex, std::shared_ptr<const Submap>> submap_cache_;
   std::map<std::uint32_t, std::shared_ptr<ElevationRange>> views_;  ///< by segment
 };
 

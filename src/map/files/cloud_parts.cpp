@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lidar_mapping/common/nameless_file.hpp"
+#include "lidar_mapping/common/list_file.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 
 namespace lidar_mapping::map {
@@ -13,12 +13,10 @@ namespace {
 /// Parts of a map in an unnamed temporary file.
 class PointFile {
  public:
-  explicit PointFile(const std::filesystem::path& directory) : file_(directory) {}
+  explicit PointFile(const std::filesystem::path& directory) : parts_(directory) {}
 
   void add(const PointCloud& part) {
-    file_.write(end_ * sizeof(Point), part.points.data(), part.size() * sizeof(Point));
-    end_ += part.size();
-    sizes_.push_back(part.size());
+    parts_.put(bounds_.size(), part.points);
     CloudParts::Area& bounds = bounds_.emplace_back();
     for (const Point& point : part.points) bounds.extend(point.position().head<2>());
   }
@@ -33,22 +31,12 @@ class PointFile {
  private:
   template <typename IsWanted>
   void for_each_of(const CloudParts::Sink& sink, const IsWanted& is_wanted) const {
-    PointCloud part;
-    std::uint64_t begin = 0;
-    for (std::size_t i = 0; i < sizes_.size(); ++i) {
-      const std::size_t count = sizes_[i];
-      if (is_wanted(i)) {
-        part.points.resize(count);
-        file_.read(begin * sizeof(Point), part.points.data(), count * sizeof(Point));
-        sink(part);
-      }
-      begin += count;
+    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+      if (is_wanted(i)) sink({parts_.get(i), {}});
     }
   }
 
-  NamelessFile file_;
-  std::uint64_t end_ = 0;  // in points
-  std::vector<std::size_t> sizes_;
+  ListFile<std::size_t, Point> parts_;
   std::vector<CloudParts::Area> bounds_;
 };
 

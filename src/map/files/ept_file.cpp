@@ -275,9 +275,7 @@ void write_ept(const TileSource& tiles, const EptOptions& options, const fs::pat
   const OctreeCube cube(points.low(), points.high());
   const Json description = metadata(points, cube);
   NodeWriter nodes(options, points.intensity_scale(), folder / "ept-data");
-  divide_into_octree(
-      points.take_points(), cube, options.octree, folder,
-      [&](const OctreeKey& key, const std::vector<StoredPoint>& of_node) { nodes(key, of_node); });
+  divide_into_octree(points.take_points(), cube, options.octree, folder, std::ref(nodes));
   Hierarchy(nodes.counts(), folder / "ept-hierarchy").write({});
   write_file(folder / "ept.json", json::dumped(description, 2) + "\n");
 }

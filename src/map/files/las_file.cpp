@@ -45,12 +45,6 @@ class Bytes {
   std::string data_;
 };
 
-/// What the header of a file says of its points.
-struct LasExtent {
-  std::uint64_t points = 0;
-  Eigen::AlignedBox3d box;
-};
-
 /// GeoTIFF keys: a projected system by its EPSG code, metres in all directions.
 std::string georeference(std::uint16_t epsg) {
   if (epsg == 0) return {};
@@ -63,9 +57,10 @@ std::string georeference(std::uint16_t epsg) {
   return bytes.data();
 }
 
-std::string header(const LasExtent& extent, const MillimetreFrame& frame) {
+std::string header(std::uint64_t point_count, const Eigen::AlignedBox3d& box,
+                   const MillimetreFrame& frame) {
   const std::string reference = georeference(frame.epsg());
-  const auto points = static_cast<std::uint32_t>(extent.points);
+  const auto points = static_cast<std::uint32_t>(point_count);
   Bytes bytes;
   bytes.text("LASF", 4).add(std::uint32_t{0}).text("", 16);
   bytes.add(std::uint8_t{1}).add(std::uint8_t{2}).text("", 32).text("lidar_mapping", 32);
@@ -75,55 +70,48 @@ std::string header(const LasExtent& extent, const MillimetreFrame& frame) {
   bytes.add(points).add(points).text("", 16);
   for (int i = 0; i < 3; ++i) bytes.add(kMillimetre);
   for (int i = 0; i < 3; ++i) bytes.add(frame.offset()[i]);
-  for (int i = 0; i < 3; ++i) bytes.add(extent.box.max()[i]).add(extent.box.min()[i]);
+  for (int i = 0; i < 3; ++i) bytes.add(box.max()[i]).add(box.min()[i]);
   return bytes.data() + reference;
 }
 
-class Writer {
- public:
-  Writer(std::ofstream& file, MillimetreFrame& frame, float max_intensity)
-      : file_(file), frame_(frame), intensity_scale_(65535.0F / max_intensity) {}
-
-  void add(const MapTile& tile) {
-    if (extent_.points == 0) frame_.set_offset_near(tile.origin);
-    Bytes bytes;
-    for (const Point& point : tile.cloud.points) {
-      const Eigen::Vector3d p = frame_.projected(tile.origin + point.position().cast<double>());
-      extent_.box.extend(p);
-      for (const std::int32_t coordinate : frame_.millimetres(p)) bytes.add(coordinate);
-      const float intensity = std::clamp(point.intensity * intensity_scale_, 0.0F, 65535.0F);
-      bytes.add(static_cast<std::uint16_t>(std::lround(intensity)));
-      bytes.add(kOnlyReturn).add(std::uint8_t{0}).add(std::int8_t{0}).add(std::uint8_t{0});
-      bytes.add(std::uint16_t{0});
-    }
-    extent_.points += tile.cloud.size();
-    file_ << bytes.data();
+/// The points of a tile as the file holds them; `box` grows by them.
+std::string records(const MapTile& tile, const MillimetreFrame& frame, float intensity_scale,
+                    Eigen::AlignedBox3d& box) {
+  Bytes bytes;
+  for (const Point& point : tile.cloud.points) {
+    const Eigen::Vector3d p = frame.projected(tile.origin + point.position().cast<double>());
+    box.extend(p);
+    for (const std::int32_t coordinate : frame.millimetres(p)) bytes.add(coordinate);
+    const float intensity = std::clamp(point.intensity * intensity_scale, 0.0F, 65535.0F);
+    bytes.add(static_cast<std::uint16_t>(std::lround(intensity)));
+    bytes.add(kOnlyReturn).add(std::uint8_t{0}).add(std::int8_t{0}).add(std::uint8_t{0});
+    bytes.add(std::uint16_t{0});
   }
-  const LasExtent& extent() const { return extent_; }
-
- private:
-  std::ofstream& file_;
-  MillimetreFrame& frame_;
-  float intensity_scale_;
-  LasExtent extent_;
-};
+  return bytes.data();
+}
 
 }  // namespace
 
 void write_las(const std::filesystem::path& path, const TileSource& tiles,
                const std::optional<GeodeticDatum>& datum, float max_intensity) {
   MillimetreFrame frame(datum);
+  const float intensity_scale = 65535.0F / (max_intensity > 0.0F ? max_intensity : 1.0F);
   write_atomically(path, [&](const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    std::uint64_t points = 0;
+    Eigen::AlignedBox3d box;
     // has the right length already; its values are known at the end
-    file << header({}, frame);
-    Writer writer(file, frame, max_intensity > 0.0F ? max_intensity : 1.0F);
-    tiles([&](const MapTile& tile) { writer.add(tile); });
-    if (writer.extent().points > std::numeric_limits<std::uint32_t>::max()) {
+    file << header(points, box, frame);
+    tiles([&](const MapTile& tile) {
+      if (points == 0) frame.set_offset_near(tile.origin);
+      file << records(tile, frame, intensity_scale, box);
+      points += tile.cloud.size();
+    });
+    if (points > std::numeric_limits<std::uint32_t>::max()) {
       throw FileError("the map has more points than a LAS 1.2 file can hold; choose tiles");
     }
     file.seekp(0);
-    file << header(writer.extent(), frame);
+    file << header(points, box, frame);
     if (!file.flush()) throw FileError("cannot write " + path.string() + "; check the free space");
   });
 }

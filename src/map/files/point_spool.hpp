@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
-#include "lidar_mapping/common/nameless_file.hpp"
+#include "lidar_mapping/common/list_file.hpp"
 
 namespace lidar_mapping::map {
 
@@ -24,7 +23,7 @@ struct StoredPoint {
 /// of them that the memory does not hold. Throws FileError.
 class PointSpool {
  public:
-  explicit PointSpool(std::filesystem::path directory) : directory_(std::move(directory)) {}
+  explicit PointSpool(std::filesystem::path directory) : parts_(std::move(directory)) {}
 
   void add(const StoredPoint& point);
   std::size_t size() const { return stored_ + buffer_.size(); }
@@ -34,10 +33,7 @@ class PointSpool {
   void append_to(std::vector<StoredPoint>& points) const;
 
  private:
-  void store();
-
-  std::filesystem::path directory_;
-  std::unique_ptr<NamelessFile> file_;
+  ListFile<std::size_t, StoredPoint> parts_;
   std::size_t stored_ = 0;  ///< Points in the file.
   std::vector<StoredPoint> buffer_;
 };

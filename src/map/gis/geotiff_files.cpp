@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include <Eigen/Geometry>
 #include <cpl_conv.h>
 #include <gdal_priv.h>
 
@@ -30,12 +31,12 @@ constexpr double kMaxPixels = 4e9;  // chosen: 63 km square at 1 m; each file is
 
 /// Rows of pixels, from north to south, and columns from west to east.
 struct RasterFrame {
-  RasterFrame(const Eigen::Array2d& low, const Eigen::Array2d& high, double pixel_m)
+  RasterFrame(const Eigen::AlignedBox2d& area, double pixel_m)
       : pixel(pixel_m),
-        west(std::floor(low.x() / pixel_m) * pixel_m),
-        north((std::floor(high.y() / pixel_m) + 1.0) * pixel_m) {
-    const double wide = std::floor((high.x() - west) / pixel) + 1.0;
-    const double tall = std::floor((north - low.y()) / pixel) + 1.0;
+        west(std::floor(area.min().x() / pixel_m) * pixel_m),
+        north((std::floor(area.max().y() / pixel_m) + 1.0) * pixel_m) {
+    const double wide = std::floor((area.max().x() - west) / pixel) + 1.0;
+    const double tall = std::floor((north - area.min().y()) / pixel) + 1.0;
     if (wide * tall > kMaxPixels) {
       throw InputError(
           formatted("a raster of %.0f by %.0f pixels is too large; give a larger "
@@ -71,8 +72,7 @@ class ProjectedPoints {
     for (const Point& point : tile.cloud.points) {
       const Eigen::Vector3d p = frame_.projected(tile.origin + point.position().cast<double>());
       points_.add({frame_.millimetres(p), point.intensity, 0});
-      low_ = low_.min(p.head<2>().array());
-      high_ = high_.max(p.head<2>().array());
+      area_.extend(p.head<2>());
     }
   }
 
@@ -81,14 +81,13 @@ class ProjectedPoints {
     return frame_.offset() + kMillimetre * Eigen::Vector3d(p[0], p[1], p[2]);
   }
   const PointSpool& points() const { return points_; }
-  RasterFrame raster(double pixel) const { return {low_, high_, pixel}; }
+  RasterFrame raster(double pixel) const { return {area_, pixel}; }
   std::uint16_t epsg() const { return frame_.epsg(); }
 
  private:
   MillimetreFrame frame_;
   PointSpool points_;
-  Eigen::Array2d low_ = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Array2d high_ = Eigen::Array2d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::AlignedBox2d area_;  ///< Around all points.
 };
 
 /// The pixels of some rows.

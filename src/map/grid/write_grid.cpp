@@ -28,43 +28,21 @@ constexpr std::uint8_t kUnknown = 205;
 constexpr double kBlockEdge = 400.0;
 constexpr int kBlockCells = 4000;
 
-/// Numbers of obstacle points and presence of ground points in the cells of a block.
-class PointEvidence {
- public:
-  explicit PointEvidence(const GridBlock& block)
-      : block_(block), obstacles_(block.size()), ground_(block.size()) {}
+/// Points in the cells of a block.
+struct PointEvidence {
+  explicit PointEvidence(std::size_t cells) : obstacles(cells), has_ground(cells) {}
 
-  void add_points(const GridFrame& frame, const PointCloud& cloud,
-                  const moving_objects::TransformedPoints& points,
-                  const moving_objects::GroundArea& area, moving_objects::LocalGround& ground,
-                  const GridOptions& options) {
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const int column = frame.column_of(cloud.points[i].x);
-      const int row = frame.row_of(cloud.points[i].y);
-      if (!block_.contains(column, row)) continue;
-      const float height = ground.height_above(points.z[i], area.column_of(i));
-      add_points(block_.index_of(column, row), static_cast<double>(height), options);
-    }
-  }
-
-  int obstacles(std::size_t cell) const { return obstacles_[cell]; }
-  bool has_ground(std::size_t cell) const { return ground_[cell] != 0; }
-
- private:
-  void add_points(std::size_t cell, double height, const GridOptions& options) {
+  void add(std::size_t cell, double height, const GridOptions& options) {
+    constexpr std::uint8_t kMaxCount = 255;  // by the format of a byte: counting ends there
     if (height < options.lowest) {
-      ground_[cell] = 1;
-    } else if (height <= options.highest && obstacles_[cell] < kMaxCount) {
-      ++obstacles_[cell];
+      has_ground[cell] = true;
+    } else if (height <= options.highest && obstacles[cell] < kMaxCount) {
+      ++obstacles[cell];
     }
   }
 
-  /// The largest value of a byte, by its format: counting ends there.
-  static constexpr std::uint8_t kMaxCount = 255;
-
-  const GridBlock block_;
-  std::vector<std::uint8_t> obstacles_;  ///< Points at the height of obstacles, up to kMaxCount.
-  std::vector<std::uint8_t> ground_;     ///< 1: the cell has a point of the ground.
+  std::vector<std::uint8_t> obstacles;  ///< Number of points at the height of obstacles.
+  std::vector<bool> has_ground;
 };
 
 std::uint8_t cell_value(int obstacles, bool has_ground, bool passed, const GridOptions& options) {
@@ -77,17 +55,14 @@ std::uint8_t cell_value(int obstacles, bool has_ground, bool passed, const GridO
 /// The points of a block and those around it on which its ground depends.
 PointCloud points_around(const CloudParts& map, const GridFrame& frame, const GridBlock& block) {
   constexpr double kMargin = static_cast<double>(GroundRaster::kSupportRadius);  // m
-  const auto x_low = static_cast<float>(frame.x_of(block.column) - kMargin);
-  const auto x_high = static_cast<float>(frame.x_of(block.column + block.columns) + kMargin);
-  const auto y_low = static_cast<float>(frame.y_of(block.row) - kMargin);
-  const auto y_high = static_cast<float>(frame.y_of(block.row + block.rows) + kMargin);
-  const CloudParts::Area area(Eigen::Vector2f(x_low, y_low), Eigen::Vector2f(x_high, y_high));
+  const Eigen::Vector2d low(frame.x_of(block.column) - kMargin, frame.y_of(block.row) - kMargin);
+  const Eigen::Vector2d high(frame.x_of(block.column + block.columns) + kMargin,
+                             frame.y_of(block.row + block.rows) + kMargin);
+  const CloudParts::Area area(low.cast<float>(), high.cast<float>());
   PointCloud cloud;
   map.for_each_near(area, [&](const PointCloud& part) {
     for (const Point& point : part.points) {
-      const bool is_in_area =
-          point.x >= x_low && point.x <= x_high && point.y >= y_low && point.y <= y_high;
-      if (is_in_area) cloud.points.push_back(point);
+      if (area.contains(point.position().head<2>())) cloud.points.push_back(point);
     }
   });
   return cloud;
@@ -104,14 +79,20 @@ std::vector<std::uint8_t> cell_values(const CloudParts& map, const GridFrame& fr
   const moving_objects::GroundArea area(points, kUnlimited);
   moving_objects::LocalGround ground(area);
   ground.add(moving_objects::ground_columns(points, kUnlimited));
-  PointEvidence evidence(block);
-  evidence.add_points(frame, cloud, points, area, ground, options);
+  PointEvidence evidence(block.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const int column = frame.column_of(cloud.points[i].x);
+    const int row = frame.row_of(cloud.points[i].y);
+    if (!block.contains(column, row)) continue;
+    const float height = ground.height_above(points.z[i], area.column_of(i));
+    evidence.add(block.index_of(column, row), static_cast<double>(height), options);
+  }
   const GroundRaster raster(points, area, ground);
   FreeSpace space(frame, block, raster, options);
   if (rays) space.carve(*rays);
   std::vector<std::uint8_t> values(block.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = cell_value(evidence.obstacles(i), evidence.has_ground(i), space.passed(i), options);
+    values[i] = cell_value(evidence.obstacles[i], evidence.has_ground[i], space.passed(i), options);
   }
   return values;
 }

@@ -92,11 +92,11 @@ TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
     const TileGrid::WideVoxelIndex voxel = grid_.voxel_of(p_map);
     if (!square.contains(voxel)) {
       square = grid_.square_of(voxel);
-      const bool is_selected = only == nullptr || only->count(square.tile()) > 0;
-      points = is_selected ? &sorted.tiles[square.tile()] : nullptr;
+      const bool is_selected = only == nullptr || only->count(square.tile) > 0;
+      points = is_selected ? &sorted.tiles[square.tile] : nullptr;
     }
     if (points == nullptr) continue;
-    const Eigen::Vector3f local = (p_map - square.origin()).cast<float>();
+    const Eigen::Vector3f local = (p_map - square.origin).cast<float>();
     points->push_back({square.key_of(voxel), {local.x(), local.y(), local.z(), point.intensity}});
   }
   return sorted;

@@ -29,14 +29,10 @@ TileGrid::WideVoxelIndex TileGrid::voxel_of(const Eigen::Vector3d& p_map) const 
 }
 
 TileGrid::Square TileGrid::square_of(const WideVoxelIndex& voxel) const {
-  Square square;
-  square.tile_ = {floor_divided(voxel.x, voxels_per_tile_),
-                  floor_divided(voxel.y, voxels_per_tile_)};
-  square.origin_ = origin_of(square.tile_);
-  square.first_x_ = square.tile_.x * voxels_per_tile_;
-  square.first_y_ = square.tile_.y * voxels_per_tile_;
-  square.width_ = static_cast<std::uint64_t>(voxels_per_tile_);
-  return square;
+  const TileIndex tile{floor_divided(voxel.x, voxels_per_tile_),
+                       floor_divided(voxel.y, voxels_per_tile_)};
+  return {tile, origin_of(tile), tile.x * voxels_per_tile_, tile.y * voxels_per_tile_,
+          static_cast<std::uint64_t>(voxels_per_tile_)};
 }
 
 Eigen::Vector3d TileGrid::origin_of(const TileIndex& tile) const {

@@ -23,32 +23,25 @@ class TileGrid {
   };
   /// The square of a tile. It is kept from point to point, because the next point usually lies in
   /// the same square.
-  class Square {
-   public:
-    Square() = default;
-    const TileIndex& tile() const { return tile_; }
-    const Eigen::Vector3d& origin() const { return origin_; }
+  struct Square {
     bool contains(const WideVoxelIndex& voxel) const {
-      return local(voxel.x, first_x_) < width_ && local(voxel.y, first_y_) < width_;
+      return local(voxel.x, first_x) < width && local(voxel.y, first_y) < width;
     }
     /// Key within the tile of a voxel that the square contains.
     std::uint64_t key_of(const WideVoxelIndex& voxel) const {
       const auto height = static_cast<std::uint32_t>(static_cast<std::int32_t>(voxel.z));
-      return std::uint64_t{height} << 32U | local(voxel.y, first_y_) << 16U |
-             local(voxel.x, first_x_);
+      return std::uint64_t{height} << 32U | local(voxel.y, first_y) << 16U |
+             local(voxel.x, first_x);
     }
-
-   private:
-    friend class TileGrid;
     static std::uint64_t local(std::int64_t value, std::int64_t first) {
       return static_cast<std::uint64_t>(value) - static_cast<std::uint64_t>(first);
     }
 
-    TileIndex tile_;
-    Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
-    std::int64_t first_x_ = 0;
-    std::int64_t first_y_ = 0;
-    std::uint64_t width_ = 0;  ///< Edge in voxels; a default square contains none.
+    TileIndex tile;
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< Its lower corner in the map frame, m.
+    std::int64_t first_x = 0;                          ///< Its first voxel.
+    std::int64_t first_y = 0;
+    std::uint64_t width = 0;  ///< Edge in voxels; a default square contains none.
   };
 
   WideVoxelIndex voxel_of(const Eigen::Vector3d& p_map) const;

@@ -64,10 +64,11 @@
 
     draw(points, over, camera) {
       const u = this.edl.uniforms;
-      if (this.shades && u.strength.value > 0) {
-        this.renderer.setRenderTarget(this.buffer);
-        this.renderer.clear();
-        this.renderer.render(points, camera);
+      const shaded = this.shades && u.strength.value > 0;
+      this.renderer.setRenderTarget(shaded ? this.buffer : null);
+      this.renderer.clear();
+      this.renderer.render(points, camera);
+      if (shaded) {
         this.renderer.setRenderTarget(null);
         Object.assign(u.colours, {value: this.buffer.texture});
         Object.assign(u.depths, {value: this.buffer.depthTexture});
@@ -75,9 +76,6 @@
         u.far.value = camera.far;
         this.renderer.clear();
         this.renderer.render(this.quad, this.flat);
-      } else {
-        this.renderer.clear();
-        this.renderer.render(points, camera);
       }
       over.forEach(scene => this.renderer.render(scene, camera));
     }
@@ -220,11 +218,8 @@
     }
 
     showState() {
-      const groups = this.overlay.groups;
       lm.showControls({colour: this.points.colour, flying: this.camera.flying, measuring: this.ruler.active,
-        budget: this.points.budget / 1e6,
-        marks: {path: groups.path.visible, loops: groups.loops.visible, doubts: groups.doubts.visible,
-          changes: groups.changes.visible}});
+        budget: this.points.budget / 1e6, marks: this.overlay.groups});
       lm.showLegend(this.points, this.marks);
       lm.showLoad(this.points);
       // What a test reads: how many points are drawn, and when the first were.

@@ -127,7 +127,7 @@
       button.classList.toggle('on', button.dataset.colour === state.colour);
       button.setAttribute('aria-pressed', button.dataset.colour === state.colour);
     }
-    for (const box of document.querySelectorAll('[data-mark]')) box.checked = state.marks[box.dataset.mark];
+    for (const box of document.querySelectorAll('[data-mark]')) box.checked = state.marks[box.dataset.mark].visible;
     $('fly').classList.toggle('on', state.flying);
     $('measure').classList.toggle('on', state.measuring);
     $('budget-text').textContent = `${state.budget.toFixed(1)} M`;

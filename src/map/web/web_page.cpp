@@ -7,6 +7,8 @@
 #include <map>
 #include <sstream>
 
+#include <Eigen/Geometry>
+
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -29,50 +31,42 @@ constexpr std::uintmax_t kOverviewBytes = 7'200'000;
 
 double rounded(double metres) { return std::round(metres / kMillimetre) * kMillimetre; }
 
-/// Positions in the coordinates of the tiles.
-class TileCoordinates {
- public:
-  explicit TileCoordinates(const std::optional<GeodeticDatum>& datum) : frame_(datum) {}
+Json rounded(const Eigen::Vector3d& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
 
-  Json of(const Eigen::Vector3d& p_map) const {
-    const Eigen::Vector3d p = frame_.projected(p_map);
-    return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
-  }
-  std::uint16_t epsg() const { return frame_.epsg(); }
+/// A position in the coordinates of the tiles, which are those of the frame.
+Json in_tiles(const MillimetreFrame& frame, const Eigen::Vector3d& p_map) {
+  return rounded(frame.projected(p_map));
+}
 
- private:
-  const MillimetreFrame frame_;
-};
-
-Json drives_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
+Json drives_of(const DriveMarks& marks, const MillimetreFrame& frame) {
   std::map<std::uint32_t, Json> drives;
   for (const PathPoint& point : marks.path) {
     Json& drive = drives[point.segment];
     drive["number"] = point.segment;
-    drive["path"].push_back(coordinates.of(point.p_map));
+    drive["path"].push_back(in_tiles(frame, point.p_map));
   }
   Json list = Json::array();
   for (const auto& [number, drive] : drives) list.push_back(drive);
   return list;
 }
 
-Json loops_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
+Json loops_of(const DriveMarks& marks, const MillimetreFrame& frame) {
   std::map<KeyFrameIndex, Eigen::Vector3d> positions;
   for (const PathPoint& point : marks.path) positions[point.index] = point.p_map;
   Json list = Json::array();
   for (const LoopMark& loop : marks.loops) {
-    list.push_back({{"from", coordinates.of(positions.at(loop.from))},
-                    {"to", coordinates.of(positions.at(loop.to))},
+    list.push_back({{"from", in_tiles(frame, positions.at(loop.from))},
+                    {"to", in_tiles(frame, positions.at(loop.to))},
                     {"verdict", to_string(loop.verdict)}});
   }
   return list;
 }
 
-Json doubts_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
+Json doubts_of(const DriveMarks& marks, const MillimetreFrame& frame) {
   Json list = Json::array();
   for (const DoubtMark& doubt : marks.doubts) {
     Json path = Json::array();
-    for (const Eigen::Vector3d& p_map : doubt.path_map) path.push_back(coordinates.of(p_map));
+    for (const Eigen::Vector3d& p_map : doubt.path_map) path.push_back(in_tiles(frame, p_map));
     const bool is_known = std::isfinite(doubt.expected_error);
     list.push_back({{"kind", doubt.kind},
                     {"length", rounded(doubt.length)},
@@ -83,29 +77,22 @@ Json doubts_of(const DriveMarks& marks, const TileCoordinates& coordinates) {
   return list;
 }
 
-/// A corner of a box: bits 0 to 2 of `number` choose the upper end along x, y and z.
-Eigen::Vector3d corner_of(const moving_objects::Change& change, unsigned number) {
-  Eigen::Vector3d corner = change.low;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    if ((number >> axis & 1U) != 0) corner[axis] = change.high[axis];
-  }
-  return corner;
-}
-
-Json changes_of(const WebPage& page, const TileCoordinates& coordinates) {
+Json changes_of(const WebPage& page, const MillimetreFrame& frame) {
   Json list = Json::array();
   for (const moving_objects::Change& change : page.changes) {
+    const Eigen::AlignedBox3d box(change.low, change.high);
     Json corners = Json::array();
-    for (unsigned number = 0; number < 8; ++number) {
-      corners.push_back(coordinates.of(corner_of(change, number)));
+    // By bits, as Eigen numbers them: 1, 2 and 4 are the upper ends along x, y and z.
+    for (int number = 0; number < 8; ++number) {
+      const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(number);
+      corners.push_back(in_tiles(frame, box.corner(corner)));
     }
     const auto [after, before] = interval_of(change, page.visits);
-    const Eigen::Vector3d size = change.high - change.low;
     list.push_back({{"number", list.size() + 1},
                     {"kind", moving_objects::to_string(change.kind)},
                     {"after", iso_date(after)},
                     {"before", iso_date(before)},
-                    {"size", {rounded(size.x()), rounded(size.y()), rounded(size.z())}},
+                    {"size", rounded(Eigen::Vector3d(box.sizes()))},
                     {"corners", corners}});
   }
   return list;
@@ -118,14 +105,14 @@ std::string script(const char* name, const Json& value) {
 }
 
 std::string marks_script(const WebPage& page) {
-  const TileCoordinates coordinates(page.datum);
+  const MillimetreFrame frame(page.datum);
   Json marks = {{"title", page.title},
-                {"epsg", coordinates.epsg()},
+                {"epsg", frame.epsg()},
                 {"resolution", page.resolution},
-                {"drives", drives_of(page.marks, coordinates)},
-                {"loops", loops_of(page.marks, coordinates)},
-                {"doubts", doubts_of(page.marks, coordinates)},
-                {"changes", changes_of(page, coordinates)}};
+                {"drives", drives_of(page.marks, frame)},
+                {"loops", loops_of(page.marks, frame)},
+                {"doubts", doubts_of(page.marks, frame)},
+                {"changes", changes_of(page, frame)}};
   return script("marks", marks);
 }
 

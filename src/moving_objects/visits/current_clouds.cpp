@@ -3,9 +3,10 @@
 
 #include <set>
 
+#include "lidar_mapping/common/list_file.hpp"
 #include "lidar_mapping/common/parallel.hpp"
 
-#include "mark_file.hpp"
+#include "marks.hpp"
 #include "visibility/observers.hpp"
 #include "visits/other_visits.hpp"
 #include "visits/point_history.hpp"
@@ -135,7 +136,7 @@ class CurrentClouds::Impl {
   const Visits visits_;
   const OtherVisits other_visits_;
   Observers observers_;
-  MarkFile marks_;  ///< Points that are outdated.
+  ListFile<Position, Marks::value_type> marks_;  ///< Points that are outdated.
   ChangeList changes_;
   std::size_t outdated_ = 0;
 };

@@ -8,7 +8,7 @@
 
 #include "lidar_mapping/moving_objects/change_list.hpp"
 
-#include "mark_file.hpp"
+#include "marks.hpp"
 #include "visibility/observing_scan.hpp"
 
 namespace lidar_mapping::moving_objects {

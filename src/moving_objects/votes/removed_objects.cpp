@@ -38,7 +38,7 @@ RemovedObjects::RemovedObjects(const PointCells& cells, const std::vector<Vote>&
       if (layers[i] == Layer::kBody && is_inside(i)) visit(cells_of_points_[i], votes[i]);
     }
   };
-  for_each_body_point([&](std::uint32_t cell, Vote) { occupied_.add(cell); });
+  for_each_body_point([&](std::uint32_t cell, Vote) { occupied_[cell] = true; });
   for_each_body_point([&](std::uint32_t cell, Vote vote) {
     if (vote == Vote::kMoving && objects_.at(cell) == CellNumbers::kNone) grow_object(cell);
   });
@@ -62,14 +62,14 @@ void RemovedObjects::grow_object(std::uint32_t first) {
   add_cell(first);
   for (; next < object_cells_.size(); ++next) {
     for (const std::uint32_t cell : block_around(object_cells_[next])) {
-      if (occupied_.has(cell) && objects_.at(cell) == CellNumbers::kNone) add_cell(cell);
+      if (occupied_[cell] && objects_.at(cell) == CellNumbers::kNone) add_cell(cell);
     }
   }
 }
 
 void RemovedObjects::mark_removed(std::uint32_t cell) {
-  removed_.add(cell);
-  for (const std::uint32_t near : block_around(cell)) removed_or_adjacent_.add(near);
+  removed_[cell] = true;
+  for (const std::uint32_t near : block_around(cell)) removed_or_adjacent_[near] = true;
 }
 
 std::array<std::uint32_t, 9> RemovedObjects::block_around(std::uint32_t cell) const {

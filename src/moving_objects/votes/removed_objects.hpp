@@ -14,21 +14,6 @@
 
 namespace lidar_mapping::moving_objects {
 
-/// A set of cells, a bit for each.
-class CellSet {
- public:
-  explicit CellSet(std::size_t cells) : words_(cells / kBits + 1) {}
-
-  void add(std::uint32_t cell) { words_[cell / kBits] |= bit(cell); }
-  bool has(std::uint32_t cell) const { return (words_[cell / kBits] & bit(cell)) != 0; }
-
- private:
-  static constexpr std::uint32_t kBits = 64;  // in a word, by definition of std::uint64_t
-  static std::uint64_t bit(std::uint32_t cell) { return std::uint64_t{1} << (cell % kBits); }
-
-  std::vector<std::uint64_t> words_;
-};
-
 /// Numbers of cells, stored in pages that are created on demand, because most cells have none.
 class CellNumbers {
  public:
@@ -66,12 +51,12 @@ class RemovedObjects {
                  const std::vector<Layer>& layers);
 
   /// Whether the object with the i-th point is removed as a whole.
-  bool contains(std::size_t i) const { return is_inside(i) && removed_.has(cells_of_points_[i]); }
+  bool contains(std::size_t i) const { return is_inside(i) && removed_[cells_of_points_[i]]; }
 
   /// Whether an object that is removed stands in the cell of the i-th point or in a neighbouring
   /// one.
   bool touches(std::size_t i) const {
-    return is_inside(i) && removed_or_adjacent_.has(cells_of_points_[i]);
+    return is_inside(i) && removed_or_adjacent_[cells_of_points_[i]];
   }
 
  private:
@@ -86,12 +71,12 @@ class RemovedObjects {
 
   const CellRectangle area_;
   const std::vector<std::uint32_t> cells_of_points_;
-  CellSet occupied_;  ///< Occupied cells.
+  std::vector<bool> occupied_;  ///< For each cell of the area.
   CellNumbers objects_;
   std::vector<std::uint32_t> object_cells_;  ///< Cells of the objects, one object after the other.
   std::vector<VoteCount> vote_counts_;  ///< Vote counts of the objects, whose numbers begin with 1.
-  CellSet removed_;
-  CellSet removed_or_adjacent_;  ///< Cells of removed objects and their neighbours.
+  std::vector<bool> removed_;
+  std::vector<bool> removed_or_adjacent_;  ///< Cells of removed objects and their neighbours.
 };
 
 }  // namespace lidar_mapping::moving_objects
