@@ -25,7 +25,7 @@ struct AppliedSolution {
 
 /// When the poses of a solution are stored in the session. All of them are written at once.
 enum class PoseStorage {
-  kAlways,
+  kAlways,    ///< with each solution
   kWhenGrown  ///< when the drive is 20 key frames and a twentieth longer than at the last time
 };
 
