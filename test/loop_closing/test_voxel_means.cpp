@@ -7,7 +7,6 @@
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
-#include "matching/lru_cache.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -76,20 +75,6 @@ TEST(VoxelMeans, DistinguishesDistantCells) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_TRUE(test::near(points[i], corners[i], 0.05F));
   }
-}
-
-TEST(LruCache, RemovesTheLeastRecentlyUsedValue) {
-  LruCache<char> recent(10);
-  recent.insert(1, 'a', 4);
-  recent.insert(2, 'b', 4);
-  ASSERT_NE(recent.find(1), nullptr);
-  recent.insert(3, 'c', 4);
-  EXPECT_EQ(recent.find(2), nullptr);
-  EXPECT_EQ(*recent.find(1), 'a');
-  EXPECT_EQ(recent.insert(4, 'd', 100), 'd') << "the newest stays, however heavy";
-  EXPECT_EQ(recent.find(1), nullptr);
-  recent.clear();
-  EXPECT_EQ(recent.find(4), nullptr);
 }
 
 }  // namespace

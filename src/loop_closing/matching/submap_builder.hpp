@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/lru_cache.hpp"
 #include "lidar_mapping/loop_closing/key_frame_preparation.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
 #include "decision/verification.hpp"
-#include "matching/lru_cache.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -45,7 +45,7 @@ class SubmapBuilder {
 
  private:
   PointsPtr map_points(KeyFrameIndex index);
-  PointsPtr cache(KeyFrameIndex index, const PointsPtr& points);
+  PointsPtr cached(KeyFrameIndex index, const PointsPtr& points);
   Points newest_scan(KeyFrameIndex index);
   Points merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
                        const Points& own_points, std::size_t before, std::size_t after,
