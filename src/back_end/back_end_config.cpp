@@ -187,32 +187,25 @@ void describe_robust_kernels(config::Schema<Config>& schema) {
 
 void add_checks(config::Schema<Config>& schema) {
   schema
-      .check([](const Config& c) {
-        return c.use_const_inf_matrix && c.use_fitness_inf_matrix
-                   ? std::string(
-                         "use_const_inf_matrix and use_fitness_inf_matrix exclude each other; set "
-                         "one of them to false")
-                   : std::string();
+      .check([](const Config& c) -> std::string {
+        if (!c.use_const_inf_matrix || !c.use_fitness_inf_matrix) return "";
+        return "use_const_inf_matrix and use_fitness_inf_matrix exclude each other; set one of "
+               "them to false";
       })
-      .check([](const Config& c) {
-        return c.min_stddev_x > c.max_stddev_x || c.min_stddev_q > c.max_stddev_q
-                   ? std::string(
-                         "min_stddev_x and min_stddev_q must not be above max_stddev_x and "
-                         "max_stddev_q")
-                   : std::string();
+      .check([](const Config& c) -> std::string {
+        const bool crossed = c.min_stddev_x > c.max_stddev_x || c.min_stddev_q > c.max_stddev_q;
+        return crossed ? "min_stddev_x and min_stddev_q must not be above max_stddev_x and "
+                         "max_stddev_q"
+                       : "";
       })
-      .check([](const Config& c) {
+      .check([](const Config& c) -> std::string {
         const auto& stddevs = c.fix_first_node_stddev;
         const bool positive = std::all_of(stddevs.begin(), stddevs.end(),
                                           [](double s) { return s >= 1e-6 && s <= 1e6; });
-        return positive
-                   ? std::string()
-                   : std::string("fix_first_node_stddev must hold numbers from 1e-06 to 1e+06");
+        return positive ? "" : "fix_first_node_stddev must hold numbers from 1e-06 to 1e+06";
       })
-      .check([](const Config& c) {
-        return c.georeference_only && !c.use_gnss
-                   ? std::string("georeference_only needs use_gnss: true")
-                   : std::string();
+      .check([](const Config& c) -> std::string {
+        return c.georeference_only && !c.use_gnss ? "georeference_only needs use_gnss: true" : "";
       });
 }
 

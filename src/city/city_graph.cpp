@@ -116,8 +116,7 @@ void CityGraph::add_drive(const fs::path& path) {
   drive.offsets = next_;
   drive.offsets.stamp = pipeline::unique_stamp_offset(pipeline::stamps_of(session), stamps_);
   stamps_.merge(pipeline::stamps_of(session, drive.offsets.stamp));
-  std::vector<GnssPosition> gnss;
-  if (city_.datum) gnss = pipeline::gnss_in_frame_of(*city_.datum, session);
+  const std::vector<GnssPosition> gnss = pipeline::gnss_in_frame_of(city_.datum, session);
   if (gnss.empty() && !session.gnss().empty()) {
     drive.notices.push_back("the datum of its GNSS positions is not known; they are left out");
   }
@@ -125,10 +124,7 @@ void CityGraph::add_drive(const fs::path& path) {
   headings_.push_back(headings_of(session, drive.offsets.stamp));
   drive.key_frames = parts_.back().key_frames;
   drive.has_gnss = drive.uses_gnss = !gnss.empty();
-  for (const KeyFrame& key_frame : drive.key_frames) {
-    next_.index = key_frame.index + 1;
-    next_.segment = key_frame.segment + 1;
-  }
+  if (!drive.key_frames.empty()) next_ = pipeline::offsets_behind(drive.key_frames);
   city_.drives.push_back(std::move(drive));
 }
 

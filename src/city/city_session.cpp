@@ -16,17 +16,12 @@ namespace fs = std::filesystem;
 using pipeline::RecordedBackEnd;
 using session::Session;
 
-std::vector<GnssPosition> positions_of(const JoinedDrive& drive, const Session& session,
-                                       const std::optional<GeodeticDatum>& datum) {
-  if (!drive.uses_gnss || !datum) return {};
-  return pipeline::gnss_in_frame_of(*datum, session);
-}
-
 void add_drive(const JoinedDrive& drive, const std::optional<GeodeticDatum>& datum,
                RecordedBackEnd& back_end) {
   const Session session = Session::open(drive.session, Session::Access::kRead);
-  const auto part =
-      pipeline::read_part(session, drive.offsets, positions_of(drive, session, datum));
+  const auto part = pipeline::read_part(
+      session, drive.offsets,
+      pipeline::gnss_in_frame_of(drive.uses_gnss ? datum : std::nullopt, session));
   session::CloudStore& clouds = back_end.session().clouds();
   Session::Batch batch(back_end.session());
   for (const KeyFrame& key_frame : drive.key_frames) {

@@ -52,23 +52,20 @@ class ChunkClouds : public CloudSource {
 
 /// Where drive b begins in the graph of both.
 pipeline::PartOffsets offsets_behind(const Session& a, const Session& b) {
-  pipeline::PartOffsets offsets;
+  const std::vector<KeyFrame> key_frames_of_a = a.key_frames();
+  pipeline::PartOffsets offsets = pipeline::offsets_behind(key_frames_of_a);
   std::set<Stamp> of_a, of_b;  // a search copies no records
+  for (const KeyFrame& key_frame : key_frames_of_a) of_a.insert(key_frame.stamp);
   for (const KeyFrame& key_frame : b.key_frames()) of_b.insert(key_frame.stamp);
-  for (const KeyFrame& key_frame : a.key_frames()) {
-    of_a.insert(key_frame.stamp);
-    offsets.index = key_frame.index + 1;
-    offsets.segment = key_frame.segment + 1;
-  }
   offsets.stamp = pipeline::unique_stamp_offset(of_b, of_a);
   return offsets;
 }
 
-/// Positions of a drive in the frame of drive a; none if GNSS is left out.
-std::vector<GnssPosition> positions_of(const Session& session, const Session& a, bool use_gnss) {
-  const auto datum = a.datum();
-  if (!use_gnss || !datum) return {};
-  return pipeline::gnss_in_frame_of(*datum, session);
+/// The part of a drive with positions in the frame of drive a; none if GNSS is left out.
+SessionPart part_of(const Session& session, const pipeline::PartOffsets& offsets, const Session& a,
+                    bool use_gnss) {
+  const auto datum = use_gnss ? a.datum() : std::nullopt;
+  return pipeline::read_part(session, offsets, pipeline::gnss_in_frame_of(datum, session));
 }
 
 class PairSearch {
@@ -79,8 +76,8 @@ class PairSearch {
              const std::filesystem::path& scratch)
       : chunk_(chunk),
         offsets_(offsets_behind(a, b)),
-        a_(pipeline::read_part(a, {}, positions_of(a, a, use_gnss))),
-        b_(pipeline::read_part(b, offsets_, positions_of(b, a, use_gnss))),
+        a_(part_of(a, {}, a, use_gnss)),
+        b_(part_of(b, offsets_, a, use_gnss)),
         clouds_(a, b, chunk, offsets_.index,
                 static_cast<KeyFrameIndex>(loop_closing.extend_frame_num)),
         back_end_(back_end),

@@ -89,7 +89,8 @@ PointTilePtr PointTiles::tile(const PointTileIndex& index) {
   auto tile = std::make_shared<PointTile>();
   tile->origin = origin_of(index);
   tile->cloud.points = stored_.get(index);
-  return cache_.insert(index, tile, tile->cloud.size());
+  cache_.insert(index, tile, tile->cloud.size());
+  return tile;
 }
 
 }  // namespace lidar_mapping::map_import

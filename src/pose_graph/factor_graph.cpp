@@ -166,6 +166,12 @@ int FactorGraph::add(Constraint constraint) {
   return static_cast<int>(constraints.size()) - 1;
 }
 
+int FactorGraph::add(Constraint constraint, RobustKernel kernel, double kernel_size) {
+  constraint.kernel = kernel;
+  constraint.kernel_size = kernel_size;
+  return add(std::move(constraint));
+}
+
 int FactorGraph::add_node(const Pose& pose, bool is_fixed) {
   states.push_back(planar ? to_planar_block(pose) : to_block(pose));
   fixed.push_back(is_fixed);

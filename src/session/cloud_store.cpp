@@ -8,14 +8,8 @@
 
 namespace lidar_mapping::session {
 
-namespace {
-
-std::size_t bytes_of(const PointCloud& cloud) { return cloud.points.size() * sizeof(Point); }
-
-}  // namespace
-
 CloudStore::CloudStore(std::filesystem::path folder, std::size_t cache_bytes)
-    : folder_(std::move(folder)), cache_bytes_(cache_bytes) {}
+    : folder_(std::move(folder)), cache_(cache_bytes) {}
 
 void CloudStore::put(KeyFrameIndex index, const PointCloudPtr& cloud) {
   write_pcd(file(index), *cloud);
@@ -58,48 +52,29 @@ bool CloudStore::contains(KeyFrameIndex index) const {
 
 bool CloudStore::is_cached(KeyFrameIndex index, const PointCloudPtr& cloud) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = entries_.find(index);
-  return found != entries_.end() && found->second->cloud == cloud;
+  const PointCloudPtr* known = cache_.peek(index);
+  return known != nullptr && *known == cloud;
 }
 
 std::size_t CloudStore::cached_bytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return bytes_;
+  return cache_.weight();
 }
 
 PointCloudPtr CloudStore::cached(KeyFrameIndex index) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = entries_.find(index);
-  if (found == entries_.end()) return nullptr;
-  newest_first_.splice(newest_first_.begin(), newest_first_, found->second);
-  return found->second->cloud;
+  const PointCloudPtr* known = cache_.find(index);
+  return known != nullptr ? *known : nullptr;
 }
 
 void CloudStore::cache(KeyFrameIndex index, const PointCloudPtr& cloud) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (const auto found = entries_.find(index); found != entries_.end()) {
-    bytes_ -= bytes_of(*found->second->cloud);
-    newest_first_.erase(found->second);
-    entries_.erase(found);
-  }
-  newest_first_.push_front({index, cloud});
-  entries_[index] = newest_first_.begin();
-  bytes_ += bytes_of(*cloud);
-  evict_oldest();
+  cache_.insert(index, cloud, cloud->size() * sizeof(Point));
 }
 
 void CloudStore::set_cache_bytes(std::size_t bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  cache_bytes_ = bytes;
-  evict_oldest();
-}
-
-void CloudStore::evict_oldest() {
-  while (bytes_ > cache_bytes_) {
-    bytes_ -= bytes_of(*newest_first_.back().cloud);
-    entries_.erase(newest_first_.back().index);
-    newest_first_.pop_back();
-  }
+  cache_.set_capacity(bytes);
 }
 
 }  // namespace lidar_mapping::session

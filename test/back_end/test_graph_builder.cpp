@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "drive/graph_builder.hpp"
+#include "error_text.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::back_end {
@@ -65,12 +66,7 @@ class GraphBuilderTest : public testing::Test {
     }
   }
   std::string error_of(const KeyFrame& bad) {
-    try {
-      builder_.add_key_frame(bad, drive_);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return {};
+    return test::error_text<InputError>([&] { builder_.add_key_frame(bad, drive_); });
   }
 
   BackEndConfig config_;

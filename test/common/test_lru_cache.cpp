@@ -14,10 +14,11 @@ TEST(LruCache, RemovesTheLeastRecentlyUsedValue) {
   recent.insert(3, 'c', 4);
   EXPECT_EQ(recent.find(2), nullptr);
   EXPECT_EQ(*recent.find(1), 'a');
-  EXPECT_EQ(recent.insert(4, 'd', 100), 'd') << "the newest stays, however heavy";
-  EXPECT_EQ(recent.find(1), nullptr);
+  recent.insert(1, 'd', 10);
+  EXPECT_EQ(*recent.find(1), 'd');
+  EXPECT_EQ(recent.weight(), 10U) << "without the value that it had before";
   recent.clear();
-  EXPECT_EQ(recent.find(4), nullptr);
+  EXPECT_EQ(recent.find(1), nullptr);
 }
 
 }  // namespace

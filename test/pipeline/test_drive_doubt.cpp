@@ -8,6 +8,7 @@
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
+#include "error_text.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -324,12 +325,9 @@ TEST(DriveDoubt, GroupsScansWithTheSameReason) {
 TEST(DriveDoubt, ReportsDamagedLineOfFile) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "doubt.csv") << "kind\nlost,1,what\n";
-  try {
-    read_doubt(folder.path() / "doubt.csv");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("doubt.csv:2: 'lost,1,what'"), std::string::npos);
-  }
+  const std::string text =
+      test::error_text<InputError>([&] { read_doubt(folder.path() / "doubt.csv"); });
+  EXPECT_NE(text.find("doubt.csv:2: 'lost,1,what'"), std::string::npos) << text;
 }
 
 TEST(DriveDoubt, RejectsInvalidNumbers) {

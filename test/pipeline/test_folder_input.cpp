@@ -99,13 +99,8 @@ TEST_F(FolderInputTest, RejectsInvalidPoseOfImu) {
 TEST_F(FolderInputTest, ReportsLineOfInvalidDate) {
   write_raw();
   write("oxts/timestamps.txt", "2011-09-26 13:02:25.51\nyesterday\n");
-  try {
-    open();
-    FAIL();
-  } catch (const FileError& error) {
-    EXPECT_NE(std::string(error.what()).find("line 2: 'yesterday'"), std::string::npos)
-        << error.what();
-  }
+  const std::string text = test::error_text<FileError>([&] { open(); });
+  EXPECT_NE(text.find("line 2: 'yesterday'"), std::string::npos) << text;
 }
 
 TEST_F(FolderInputTest, CountsEmptyLinesBeforeAnInvalidDate) {

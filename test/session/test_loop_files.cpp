@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 
+#include "error_text.hpp"
 #include "example_values.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
@@ -135,12 +136,9 @@ TEST(LoopFiles, MalformedLinesAreRefusedByFileAndLine) {
   const TemporaryFolder folder;
   for (const char* line : {"keep 1 2", "accept 1", "accept 1 2 3", "add 1 2 3", "add 1 x",
                            "refuse -1 2", "add 1 2 nan 0 0", "add 1 2 1e300 0 0", "accept 1.5 2"}) {
-    try {
-      read_text(folder, std::string("# head\n") + line + "\n");
-      ADD_FAILURE() << line;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("edited.txt:2"), std::string::npos) << error.what();
-    }
+    const std::string text = test::error_text<InputError>(
+        [&] { read_text(folder, std::string("# head\n") + line + "\n"); });
+    EXPECT_NE(text.find("edited.txt:2"), std::string::npos) << line << ": " << text;
   }
   EXPECT_THROW(read_loop_list(folder.path() / "none.txt"), FileError);
 }

@@ -12,6 +12,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/session/session.hpp"
 
+#include "error_text.hpp"
 #include "example_values.hpp"
 #include "file_content.hpp"
 #include "temporary_folder.hpp"
@@ -395,13 +396,9 @@ TEST(Session, ReportsFileAndColumnOfADamagedCell) {
     }
     EXPECT_NO_THROW(read_whole(folder.path()));
     execute(folder.path(), sql);
-    try {
-      read_whole(folder.path());
-      ADD_FAILURE() << sql;
-    } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find("session.db"), std::string::npos) << error.what();
-      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
-    }
+    const std::string text = test::error_text<FileError>([&] { read_whole(folder.path()); });
+    EXPECT_NE(text.find("session.db"), std::string::npos) << sql << ": " << text;
+    EXPECT_NE(text.find(expected), std::string::npos) << sql << ": " << text;
   }
 }
 

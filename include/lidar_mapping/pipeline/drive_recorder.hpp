@@ -22,11 +22,19 @@ class DriveRecorder {
   /// Adds what the front end says of a scan.
   void add_scan(const session::ScanRecord& scan) { extender_->add_scan(scan); }
   /// Adds the next key frame. Throws FileError.
-  void add_key_frame(const RunKeyFrame& received);
+  void add_key_frame(const RunKeyFrame& received) {
+    pairing_.add(received);
+    store_ready();
+  }
   /// Adds what is claimed about the place of the next scan. Throws FileError.
-  void add_place(const localization::LocalizationResult& place);
+  void add_place(const localization::LocalizationResult& place) {
+    pairing_.add(place);
+    store_ready();
+  }
   /// The place that is claimed now was wrong, as a person says.
-  void withdraw_place();
+  void withdraw_place() {
+    if (pairing_.withdraw_place()) extender_->withdraw_place();
+  }
 
   /// What was recorded so far.
   const LocalizedDrive& drive() const { return extender_->drive(); }
@@ -34,7 +42,11 @@ class DriveRecorder {
   std::shared_ptr<const MapExtender> extender() const { return extender_; }
 
  private:
-  void store_ready();
+  void store_ready() {
+    for (const auto& [key_frame, place] : pairing_.take_ready()) {
+      extender_->add_key_frame(key_frame, place);
+    }
+  }
 
   std::shared_ptr<MapExtender> extender_;
   PlacePairing pairing_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -16,10 +17,17 @@ struct PartOffsets {
   Stamp stamp = 0;            ///< added to each stamp, ns
 };
 
-/// The loop with the indices and stamp that it has in the graph of several sessions.
-Loop with_offsets(Loop loop, const PartOffsets& offsets);
-/// The same for a verdict.
-LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets);
+/// Offsets of indices and segments of a part that follows these key frames of another one.
+PartOffsets offsets_behind(const std::vector<KeyFrame>& key_frames);
+
+/// A loop or a verdict with the indices and stamp that it has in the graph of several sessions.
+template <typename LoopOrVerdict>
+LoopOrVerdict with_offsets(LoopOrVerdict value, const PartOffsets& offsets) {
+  value.from += offsets.index;
+  value.to += offsets.index;
+  value.stamp += offsets.stamp;
+  return value;
+}
 
 /// The stamps plus `offset` (ns) of a session's key frames and of its records, which may be at
 /// other scans. Throws FileError.
@@ -61,9 +69,9 @@ void copy_settings(const session::Session& from, session::Session& to);
 /// odometry at every scan, verdicts on loops. Throws FileError.
 void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to);
 
-/// Positions of a session in the East-North-Up frame of `datum`; none if the session does not know
-/// the datum of its own ones. Throws FileError.
-std::vector<GnssPosition> gnss_in_frame_of(const GeodeticDatum& datum,
+/// Positions of a session in the East-North-Up frame of `datum`; none if that is empty, or if the
+/// session does not know the datum of its own ones. Throws FileError.
+std::vector<GnssPosition> gnss_in_frame_of(const std::optional<GeodeticDatum>& datum,
                                            const session::Session& session);
 
 /// Adds what a part has measured at this stamp to a BackEnd, RecordedBackEnd or the like.

@@ -52,6 +52,8 @@ struct FactorGraph {
   /// kMaxResidualRows rows and one parameter block per node in the size of this graph's states, and
   /// the nodes exist already.
   int add(Constraint constraint);
+  /// The same under a kernel of this size (standard deviations).
+  int add(Constraint constraint, RobustKernel kernel, double kernel_size);
   /// Current pose of a node.
   Pose pose(int node) const;
   /// Replaces the state of a node; planar graphs take x, y and yaw of the pose.

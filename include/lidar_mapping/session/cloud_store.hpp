@@ -3,11 +3,10 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <list>
 #include <mutex>
-#include <unordered_map>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/lru_cache.hpp"
 
 namespace lidar_mapping::session {
 
@@ -42,20 +41,12 @@ class CloudStore : public ParallelCloudSource {
   void set_cache_bytes(std::size_t bytes);
 
  private:
-  struct Entry {
-    KeyFrameIndex index;
-    PointCloudPtr cloud;
-  };
   PointCloudPtr cached(KeyFrameIndex index);
   void cache(KeyFrameIndex index, const PointCloudPtr& cloud);
-  void evict_oldest();
 
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::size_t cache_bytes_;
-  std::list<Entry> newest_first_;
-  std::unordered_map<KeyFrameIndex, std::list<Entry>::iterator> entries_;
-  std::size_t bytes_ = 0;
+  mutable std::mutex mutex_;  ///< guards the cache
+  LruCache<KeyFrameIndex, PointCloudPtr> cache_;
 };
 
 /// Reads x y z and intensity of a PCD file; the intensity is 0 if the file has none. Throws

@@ -69,9 +69,9 @@ void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFac
     pose_graph::Constraint motion{
         pose_graph::relative_pose_residual(motion_to(drive, i), information), to - 1, to};
     motion.doubtful = drive.nodes[i].doubtful;
-    motion.kernel = motion.doubtful ? kDoubtfulKernel : config.odometry_robust_kernel;
-    motion.kernel_size = motion.doubtful ? kDoubtfulKernelSize : config.robust_kernel_size;
-    factors.motion_of[i] = factors.graph.add(std::move(motion));
+    const auto kernel = motion.doubtful ? kDoubtfulKernel : config.odometry_robust_kernel;
+    const double size = motion.doubtful ? kDoubtfulKernelSize : config.robust_kernel_size;
+    factors.motion_of[i] = factors.graph.add(std::move(motion), kernel, size);
   }
 }
 
@@ -93,11 +93,8 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
 void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
                    pose_graph::FactorGraph& graph) {
   for (const Vertical& vertical : verticals(drive, config)) {
-    pose_graph::Constraint tilt{pose_graph::tilt_residual(vertical.up_base, vertical.stddev),
-                                vertical.node};
-    tilt.kernel = config.imu_robust_kernel;
-    tilt.kernel_size = config.robust_kernel_size;
-    graph.add(std::move(tilt));
+    graph.add({pose_graph::tilt_residual(vertical.up_base, vertical.stddev), vertical.node},
+              config.imu_robust_kernel, config.robust_kernel_size);
   }
 }
 

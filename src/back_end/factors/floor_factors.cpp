@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "factors/floor_factors.hpp"
 
-#include <utility>
-
 #include "factors/weak_prior.hpp"
 #include "weights/edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
 
 namespace {
-
-void add_common_floor(pose_graph::Constraint floor, const BackEndConfig& config,
-                      pose_graph::FactorGraph& graph) {
-  floor.kernel = config.floor_robust_kernel;
-  floor.kernel_size = config.robust_kernel_size;
-  graph.add(std::move(floor));
-}
 
 void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
                      pose_graph::FactorGraph& graph) {
@@ -25,9 +16,8 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
     // Floors that are further apart need not be in one plane.
     if (b.node != a.node + 1 || !drive.nodes[b.node].connected) continue;
     const Eigen::Matrix3d covariance = neighbours_covariance(a.floor, b.floor, config);
-    add_common_floor(
-        {pose_graph::common_floor_residual(a.floor, b.floor, covariance), a.node, b.node}, config,
-        graph);
+    graph.add({pose_graph::common_floor_residual(a.floor, b.floor, covariance), a.node, b.node},
+              config.floor_robust_kernel, config.robust_kernel_size);
   }
 }
 
@@ -52,9 +42,9 @@ void add_floor_plane(const DriveGraph& drive, const BackEndConfig& config,
              plane});
   for (const DriveFloor& floor : drive.floors) {
     const Eigen::Matrix3d covariance = floor.floor.covariance + floor_covariance(config);
-    add_common_floor(
+    graph.add(
         {pose_graph::common_floor_residual(Floor{}, floor.floor, covariance), plane, floor.node},
-        config, graph);
+        config.floor_robust_kernel, config.robust_kernel_size);
   }
 }
 

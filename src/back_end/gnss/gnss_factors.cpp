@@ -43,9 +43,8 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
     const auto add_switchable = [&](pose_graph::CostPtr residual) {
       pose_graph::Constraint constraint{std::move(residual), gnss.node};
       constraint.switchable = true;
-      constraint.kernel = config.gnss_robust_kernel;
-      constraint.kernel_size = config.robust_kernel_size;
-      return factors.graph.add(std::move(constraint));
+      return factors.graph.add(std::move(constraint), config.gnss_robust_kernel,
+                               config.robust_kernel_size);
     };
     factors.horizontal_of[i] = add_switchable(pose_graph::antenna_horizontal_residual(
         p.p_enu_antenna, p.p_base_antenna,
@@ -63,12 +62,9 @@ void add_headings(const DriveGraph& drive, const BackEndConfig& config,
   for (const DriveGnss& gnss : drive.gnss) {
     if (!gnss.position.R_enu_base) continue;
     if (!in_enu[drive.segment_of(gnss.node)]) continue;
-    pose_graph::Constraint heading{
-        pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base), config.imu_heading_stddev),
-        gnss.node};
-    heading.kernel = config.imu_robust_kernel;
-    heading.kernel_size = config.robust_kernel_size;
-    graph.add(std::move(heading));
+    const double yaw = yaw_of(*gnss.position.R_enu_base);
+    graph.add({pose_graph::heading_residual(yaw, config.imu_heading_stddev), gnss.node},
+              config.imu_robust_kernel, config.robust_kernel_size);
   }
 }
 

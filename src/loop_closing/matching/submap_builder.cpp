@@ -35,11 +35,12 @@ void SubmapBuilder::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
 PointsPtr SubmapBuilder::map_points(KeyFrameIndex index) {
   if (const auto* cached = points_cache_.find(index)) return *cached;
   const PointCloudPtr cloud = clouds_.cloud(index);
-  return cloud ? cache(index, preparation_.thinned(*cloud)) : nullptr;
+  return cloud ? cached(index, preparation_.thinned(*cloud)) : nullptr;
 }
 
-PointsPtr SubmapBuilder::cache(KeyFrameIndex index, const PointsPtr& points) {
-  return points_cache_.insert(index, points, points->size());
+PointsPtr SubmapBuilder::cached(KeyFrameIndex index, const PointsPtr& points) {
+  points_cache_.insert(index, points, points->size());
+  return points;
 }
 
 PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& prepared) {
@@ -47,7 +48,7 @@ PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& 
   if (newest_ == nullptr) return nullptr;
   const PointsPtr points = prepared ? prepared : preparation_.thinned(*newest_);
   add_view(key_frame.segment, *points);
-  return cache(key_frame.index, points);
+  return cached(key_frame.index, points);
 }
 
 void SubmapBuilder::add_view(std::uint32_t segment, const Points& points) {
@@ -122,7 +123,8 @@ std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory
   submap->p_base_lidar = p_base_lidar_;
   const auto view = views_.find(trajectory[node].segment);
   if (view != views_.end()) submap->view = view->second;
-  return submap_cache_.insert(index, std::move(submap), 1);
+  submap_cache_.insert(index, submap, 1);
+  return submap;
 }
 
 }  // namespace lidar_mapping::loop_closing

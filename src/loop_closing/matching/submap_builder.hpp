@@ -45,7 +45,7 @@ class SubmapBuilder {
 
  private:
   PointsPtr map_points(KeyFrameIndex index);
-  PointsPtr cache(KeyFrameIndex index, const PointsPtr& points);
+  PointsPtr cached(KeyFrameIndex index, const PointsPtr& points);
   Points newest_scan(KeyFrameIndex index);
   Points merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
                        const Points& own_points, std::size_t before, std::size_t after,

@@ -11,8 +11,8 @@ namespace {
 
 constexpr Stamp kGap = from_seconds(1.0);
 
-constexpr std::array kDoubts = {Doubt::kDoubtful, Doubt::kDegraded, Doubt::kRepeated,
-                                Doubt::kDegenerate, Doubt::kLost};
+// In the order of the values of Doubt.
+constexpr std::array kNames = {"doubtful", "degraded", "repeated", "degenerate", "lost"};
 
 // Of the path length. Chosen: what is visible in a map.
 constexpr double kAllowedFraction = 0.01;
@@ -22,27 +22,12 @@ double squared(double value) { return value * value; }
 
 }  // namespace
 
-const char* to_string(Doubt doubt) {
-  switch (doubt) {
-    case Doubt::kDoubtful:
-      return "doubtful";
-    case Doubt::kDegraded:
-      return "degraded";
-    case Doubt::kRepeated:
-      return "repeated";
-    case Doubt::kDegenerate:
-      return "degenerate";
-    case Doubt::kLost:
-      break;
-  }
-  return "lost";
-}
+const char* to_string(Doubt doubt) { return kNames[static_cast<std::size_t>(doubt)]; }
 
 std::optional<Doubt> doubt_of_state(const std::string& state) {
-  const auto* found = std::find_if(kDoubts.begin(), kDoubts.end(),
-                                   [&](Doubt doubt) { return state == to_string(doubt); });
-  if (found == kDoubts.end()) return std::nullopt;
-  return *found;
+  const auto* found = std::find(kNames.begin(), kNames.end(), state);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<Doubt>(found - kNames.begin());
 }
 
 void TrackingSummary::add(const TrackedStep& step) {

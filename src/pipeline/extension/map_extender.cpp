@@ -46,23 +46,13 @@ std::vector<Loop> ties_of(const MapExtension& extension) {
   return ties;
 }
 
-/// Offsets of a drive behind all of a session.
-PartOffsets offsets_behind(const Session& session) {
-  PartOffsets offsets;
-  for (const KeyFrame& key_frame : session.key_frames()) {
-    offsets.index = key_frame.index + 1;
-    offsets.segment = key_frame.segment + 1;
-  }
-  return offsets;
-}
-
 /// The key frames of the drive with a tie that the graph of map and drive uses.
 std::set<KeyFrameIndex> held_key_frames(const Session& map, const BackEndConfig& config,
                                         const MapExtension& extension,
                                         const std::vector<LocalizedKeyFrame>& drive) {
   back_end::BackEnd graph(config);
   replay(map, graph);
-  const PartOffsets offsets = offsets_behind(map);
+  const PartOffsets offsets = offsets_behind(map.key_frames());
   for (KeyFrame key_frame : key_frames_of(extension, drive)) {
     key_frame.index += offsets.index;
     key_frame.segment += offsets.segment;

@@ -52,7 +52,7 @@ std::vector<GnssPosition> SessionMerger::gnss_of(const Session& session_part,
     }
     session().set_datum(*datum);
   }
-  return gnss_in_frame_of(*session().datum(), session_part);
+  return gnss_in_frame_of(session().datum(), session_part);
 }
 
 void SessionMerger::add(const Session& session_part, const std::vector<Loop>& ties) {

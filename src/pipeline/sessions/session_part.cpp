@@ -7,18 +7,12 @@
 
 namespace lidar_mapping::pipeline {
 
-Loop with_offsets(Loop loop, const PartOffsets& offsets) {
-  loop.from += offsets.index;
-  loop.to += offsets.index;
-  loop.stamp += offsets.stamp;
-  return loop;
-}
-
-LoopVerdict with_offsets(LoopVerdict verdict, const PartOffsets& offsets) {
-  verdict.from += offsets.index;
-  verdict.to += offsets.index;
-  verdict.stamp += offsets.stamp;
-  return verdict;
+PartOffsets offsets_behind(const std::vector<KeyFrame>& key_frames) {
+  PartOffsets offsets;
+  if (key_frames.empty()) return offsets;
+  offsets.index = key_frames.back().index + 1;
+  offsets.segment = key_frames.back().segment + 1;
+  return offsets;
 }
 
 std::set<Stamp> stamps_of(const session::Session& session, Stamp offset) {
@@ -73,12 +67,12 @@ void copy_records(const session::Session& from, const PartOffsets& offsets, sess
   batch.commit();
 }
 
-std::vector<GnssPosition> gnss_in_frame_of(const GeodeticDatum& datum,
+std::vector<GnssPosition> gnss_in_frame_of(const std::optional<GeodeticDatum>& datum,
                                            const session::Session& session) {
   const auto own = session.datum();
-  if (!own) return {};
+  if (!datum || !own) return {};
   std::vector<GnssPosition> positions = session.gnss();
-  const Pose T_new_old = enu_between(datum, *own);
+  const Pose T_new_old = enu_between(*datum, *own);
   for (GnssPosition& position : positions) position = transformed_position(position, T_new_old);
   return positions;
 }

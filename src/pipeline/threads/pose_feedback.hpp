@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "lidar_mapping/common/key_frame.hpp"
 
@@ -21,11 +22,27 @@ class PoseFeedback {
   static constexpr std::size_t kLag = 4;
 
   /// Reports that the graph has finished its next step.
-  void add_step(MovedPoses moved);
+  void add_step(MovedPoses moved) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    steps_.push_back(std::move(moved));
+    changed_.notify_all();
+  }
   /// Poses for the next step of the search; waits for the graph. Null also if the graph has failed.
-  MovedPoses wait_for_step();
+  MovedPoses wait_for_step() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (++requested_ <= kLag) return nullptr;
+    changed_.wait(lock, [&] { return !steps_.empty() || closed_; });
+    if (steps_.empty()) return nullptr;
+    MovedPoses moved = std::move(steps_.front());
+    steps_.pop_front();
+    return moved;
+  }
   /// Reports that the graph has failed, so that the search does not wait any longer.
-  void close();
+  void close() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
 
  private:
   std::mutex mutex_;
