@@ -66,7 +66,6 @@ set(reader_sources
   ${readers_root}/src/session/loop_files.cpp
   ${readers_root}/src/session/pcd_file.cpp
   ${readers_root}/src/session/pcd_points.cpp
-  ${readers_root}/src/session/rows.cpp
   ${readers_root}/src/session/session.cpp
   ${readers_root}/src/session/session_folder.cpp
   ${readers_root}/src/session/session_reading.cpp
