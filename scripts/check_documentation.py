@@ -216,7 +216,9 @@ class Block:
     def _start(self, command, text):
         log = self.folder / f'.output_{command.line}'
         with open(log, 'w') as file:
-            process = subprocess.Popen(['/bin/bash', '-c', f'exec {text}'], cwd=self.folder, env=self.environment,
+            # Python says at once, not in the end, that its server is up.
+            environment = {**self.environment, 'PYTHONUNBUFFERED': '1'}
+            process = subprocess.Popen(['/bin/bash', '-c', f'exec {text}'], cwd=self.folder, env=environment,
                                        stdout=file, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                        start_new_session=True)
         self.lasting.append((command, process, log))
@@ -234,6 +236,8 @@ class Block:
                 wanted.add('/rviz/reload_shaders')
         elif 'static_transform_publisher' in text:
             asked, wanted = ['rostopic', 'list'], {'/tf_static'}
+        elif 'http.server' in text:
+            asked, wanted = ['grep', '--only-matching', 'Serving', str(log)], {'Serving'}
         else:
             return True
         end = time.monotonic() + PATIENCE
