@@ -3,6 +3,9 @@
 if(LIDAR_MAPPING_SANITIZE STREQUAL "address")
   # A number beyond the range of the type that it is put into is no error of `undefined`.
   set(LIDAR_MAPPING_SANITIZERS address,undefined,float-cast-overflow)
+  # Under this sanitizer Eigen takes an allocator of its own, and cannot free what libraries that are
+  # not sanitized, such as PCL's, have allocated by malloc.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 elseif(LIDAR_MAPPING_SANITIZE STREQUAL "thread")
   set(LIDAR_MAPPING_SANITIZERS thread)
 elseif(LIDAR_MAPPING_SANITIZE)
