@@ -206,7 +206,7 @@ def limit_memory():
 
 
 def run_drives(program, cases, duration, log, limit=None):
-    """Figures of each drive and Brier's score of all; none if the program fails or does not end."""
+    """Figures of each drive and Brier's score of all; none if the program fails, does not end, or finds no numbers."""
     figures = log.with_suffix('.json')
     command = [program, '--cases', cases, '--duration', str(duration), '--json', figures]
     try:
@@ -215,9 +215,10 @@ def run_drives(program, cases, duration, log, limit=None):
     except subprocess.TimeoutExpired:
         return None
     log.write_text(done.stdout + done.stderr)
-    if done.returncode != 0:
+    brier = BRIER.search(done.stdout)
+    if done.returncode != 0 or brier is None:
         return None
-    return {'brier': float(BRIER.search(done.stdout).group(1)), 'runs': json.loads(figures.read_text())['runs']}
+    return {'brier': float(brier.group(1)), 'runs': json.loads(figures.read_text())['runs']}
 
 
 def mean(values):

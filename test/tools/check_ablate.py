@@ -147,6 +147,22 @@ class Table(unittest.TestCase):
         self.assertIn('ape 1.40', lines[0])
 
 
+class Drives(unittest.TestCase):
+    def figures(self, score):
+        """Of a program that writes one drive and prints that Brier's score."""
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder) / 'program'
+            program.write_text('#!/bin/sh\n'
+                               f"echo 'Brier score of the probability: {score}'\n"
+                               """for file; do :; done; echo '{"runs": []}' >"$file"\n""")
+            program.chmod(0o755)
+            return ablate.run_drives(program, 'cases.txt', 4.0, pathlib.Path(folder) / 'a.log')
+
+    def test_have_a_score_that_is_a_number(self):
+        self.assertEqual(self.figures('0.05'), {'brier': 0.05, 'runs': []})
+        self.assertIsNone(self.figures('nan'))
+
+
 class Resumption(unittest.TestCase):
     def test_leaves_out_what_the_file_has_and_restores(self):
         with tempfile.TemporaryDirectory() as folder:
