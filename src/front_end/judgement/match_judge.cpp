@@ -9,7 +9,7 @@ namespace lidar_mapping::front_end {
 namespace {
 
 // Fractions of the usual quality. Chosen. Measured (doc/results/ablation.md): twice the first takes
-// 2.7 times as long and gains little; its half, and half and twice the second, move nothing.
+// more than twice as long and gains little; its half, and half and twice the others, move nothing.
 constexpr double kDoubtfulQuality = 0.75;
 constexpr double kPoorQuality = 0.6;
 constexpr double kLostQuality = 0.4;
@@ -17,7 +17,7 @@ constexpr double kLostQuality = 0.4;
 /// a match needs to be accepted in spite of a low quality (kMinUsualOverlap).
 constexpr double kMinOverlap = 0.05;
 /// Mean weight of the pairs. Chosen: at a wrong pose fewer than half of them fit. Measured
-/// (doc/results/ablation.md): at twice of it errors are nine times as large, at half the same.
+/// (doc/results/ablation.md): at twice of it errors are many times as large, at half the same.
 constexpr double kMinPairQuality = 0.45;
 /// If few points find a pair because the map does not cover the view yet, the pairs still fit
 /// nearly as well as usual. Measured: those of a wrong pose have 0.65 to 0.88 of the usual quality.
