@@ -29,8 +29,7 @@ std::string product_format_help();
 /// Formats that put the map into one file, whose extension is the name of the format.
 std::vector<std::string> single_file_formats();
 
-/// Formats that hold nothing but points, as floats: "pcd", "ply". Their files are named by the
-/// format, too.
+/// Formats that hold nothing but points, such as "pcd". Their files are named by the format, too.
 std::vector<std::string> point_formats();
 
 /// The box of the corners x0 y0 z0 x1 y1 z1 in m; none if `corners` is empty. Throws InputError for
