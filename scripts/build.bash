@@ -59,10 +59,16 @@ build_package() {
   source_ros
 }
 
+# side_build KIND: the folder of another build than that which is used. The folder build of a package is the
+# one in which rosrun does not look, so that it still finds each command once.
+side_build() {
+  if [ -n "${LIDAR_MAPPING_BUILD:-}" ]; then echo "${build}_$1"; else echo "$package_root/build/$1"; fi
+}
+
 # configure_for_clang: the folder of the build that scripts/check_clang and scripts/check_tidy share. It is
 # for the warnings of clang; its programs are not run.
 configure_for_clang() {
-  build=${build}_clang
+  build=$(side_build clang)
   source_ros
   local launcher=()
   if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
