@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "loop_search.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
 namespace lidar_mapping::pipeline {
 
 void LoopSearch::process(DriveChunk& chunk) {
@@ -12,15 +17,33 @@ void LoopSearch::process(DriveChunk& chunk) {
   }
   loop_closing::LoopClosingResult result = closer_.process(*chunk.key_frame, chunk.prepared);
   chunk.prepared = {};
-  chunk.loops = std::move(result.loops);
-  chunk.verdicts = std::move(result.verdicts);
+  chunk.loops = std::exchange(found_again_.loops, {});
+  chunk.verdicts = std::exchange(found_again_.verdicts, {});
+  chunk.loops.insert(chunk.loops.end(), result.loops.begin(), result.loops.end());
+  chunk.verdicts.insert(chunk.verdicts.end(), result.verdicts.begin(), result.verdicts.end());
 }
 
 void LoopSearch::restore(const RecordedBackEnd& back_end) {
   const session::Session& session = back_end.session();
   if (const auto origin = session.sensor_origin()) closer_.set_sensor_origin(*origin);
-  for (const KeyFrame& key_frame : session.key_frames()) closer_.restore(key_frame);
+  const std::vector<KeyFrame> key_frames = session.key_frames();
+  const auto first_open = std::find_if(
+      key_frames.begin(), key_frames.end(), [end = back_end.searched_key_frames()](const auto& k) {
+        return k.index >= end;
+      });
+  std::for_each(key_frames.begin(), first_open, [&](const auto& k) { closer_.restore(k); });
   closer_.restore(session.loops(), session.gnss(), back_end.poses());
+  std::for_each(first_open, key_frames.end(), [&](const auto& k) { search_again(back_end, k); });
+}
+
+/// A match that waited for others that agree with it is in no file. What the session has is not
+/// added to it again.
+void LoopSearch::search_again(const RecordedBackEnd& back_end, const KeyFrame& key_frame) {
+  const loop_closing::LoopClosingResult result = closer_.process(key_frame);
+  std::copy_if(result.loops.begin(), result.loops.end(), std::back_inserter(found_again_.loops),
+               [&](const Loop& loop) { return !back_end.has_loop(loop); });
+  found_again_.verdicts.insert(found_again_.verdicts.end(), result.verdicts.begin(),
+                               result.verdicts.end());
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -17,12 +17,16 @@ class LoopSearch {
       : closer_(config, session.clouds(), session.directory()), feedback_(feedback) {}
 
   void process(DriveChunk& chunk);
-  /// Restores the state of the search from the session of a drive that is resumed.
+  /// Restores the state of the search from the session of a drive that is resumed. Key frames with
+  /// candidates that are not decided yet are searched again.
   void restore(const RecordedBackEnd& back_end);
 
  private:
+  void search_again(const RecordedBackEnd& back_end, const KeyFrame& key_frame);
+
   loop_closing::LoopCloser closer_;
   PoseFeedback& feedback_;
+  loop_closing::LoopClosingResult found_again_;  ///< Goes with the next chunk.
 };
 
 }  // namespace lidar_mapping::pipeline
