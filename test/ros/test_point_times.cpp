@@ -190,7 +190,7 @@ TEST(PointTimes, FindsTheUnitOfFloatsByThePeriod) {
 /// A part of a turn and five turns, whose length says nothing about the unit.
 TEST(PointTimes, TakesTheUnitFromTheNameWhereNoneFitsThePeriod) {
   for (const auto& [name, unit] : {std::pair{"time_us", 1e-6}, std::pair{"Time_NS", 1e-9},
-                                   std::pair{"time_offset_ns", 1e-9}}) {
+                                   std::pair{"time_offset_ns", 1e-9}, std::pair{"usec", 1e-6}}) {
     for (const double span : {0.005, 0.5}) {
       auto message = xyz_cloud({{name, PointField::UINT32, 12}}, 16, kCount);
       for (std::size_t i = 0; i < kCount; ++i) {

@@ -19,9 +19,9 @@ inline constexpr std::array kIntensityNames = {"intensity", "i", "reflectivity",
                                                "intensities"};
 /// Times in two fields are found by time_fields().
 inline constexpr std::array kTimeNames = {
-    "time",         "t",       "timestamp",      "time_stamp", "offset_time",
-    "time_offset",  "ts",      "stamp",          "time_ns",    "t_ns",
-    "timestamp_ns", "time_us", "time_offset_ns", "time_sec",   "stamps"};
+    "time",   "t",       "timestamp", "time_stamp",   "offset_time", "time_offset",    "ts",
+    "stamp",  "time_ns", "t_ns",      "timestamp_ns", "time_us",     "time_offset_ns", "time_sec",
+    "stamps", "usec",    "nsec"};
 
 // Datatypes of fields of eight bytes, which sensor_msgs lacks, by PCL (pcl/type_traits.h).
 constexpr std::uint8_t kPclInt64 = 9;

@@ -118,12 +118,10 @@ std::optional<ScanCounts> broken_scan(const CloudView& message, const TimeFields
   return std::nullopt;
 }
 
-/// The unit that the name of the field ends with, as in "time_us" and "offset_nsec".
+/// The unit that the name of the field is or ends with, as in "usec", "time_us" and "offset_nsec".
 std::optional<Unit> named_unit(const TimeFields& fields) {
   const std::string name = lower_case(fields.first->name);
-  const std::size_t begin = name.rfind('_');
-  if (begin == std::string::npos) return std::nullopt;
-  const std::string end = name.substr(begin + 1);
+  const std::string end = name.substr(name.rfind('_') + 1);  // all of it without a '_'
   for (const Unit& unit : kUnits) {
     if (end == unit.name || end == unit.name + std::string("ec")) return unit;
   }
