@@ -107,7 +107,10 @@ void TileStore::clear(const std::set<TileIndex>& tiles) {
 }
 
 PointCloud TileStore::merged_cloud() const {
+  std::size_t points = 0;
+  for (const auto& [index, tile] : tiles_) points += tile.size();
   PointCloud cloud;
+  cloud.points.reserve(points);
   for (const auto& [index, tile] : tiles_) tile.append_to(cloud, grid_.origin_of(index));
   return cloud;
 }

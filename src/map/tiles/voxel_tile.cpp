@@ -84,7 +84,6 @@ void VoxelTile::insert(const TilePoint& point, KeyFrameIndex key_frame) {
 }
 
 void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const {
-  cloud.points.reserve(cloud.points.size() + voxels_.size());
   for (const Voxel& voxel : voxels_) {
     const double scale = 1.0 / voxel.count;
     cloud.points.push_back({static_cast<float>(voxel.x * scale + offset.x()),
