@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/map/key_frame_track.hpp"
 
+#include <algorithm>
+
 namespace lidar_mapping::map {
 
 void KeyFrameTrack::add(const KeyFrame& key_frame) {
@@ -8,10 +10,29 @@ void KeyFrameTrack::add(const KeyFrame& key_frame) {
                              !key_frame.degenerate_directions.empty(), key_frame.T_odom_base};
 }
 
-void KeyFrameTrack::update(const KeyFramePoses& poses) {
+double KeyFrameTrack::update(const KeyFramePoses& poses) {
+  double largest = 0.0;
+  for (const KeyFramePose& pose : poses.poses) {
+    if (const std::optional<Pose> before = pose_of(pose.index)) {
+      largest = std::max(largest, (pose.T_map_base.translation - before->translation).norm());
+    }
+  }
   if (poses.whole) optimized_.clear();
   for (const KeyFramePose& pose : poses.poses) optimized_[pose.index] = pose.T_map_base;
   revision_ = poses.revision;
+  return largest;
+}
+
+std::optional<Pose> KeyFrameTrack::pose_of(KeyFrameIndex index) const {
+  const auto node = nodes_.find(index);
+  if (node == nodes_.end()) return std::nullopt;
+  for (auto next = optimized_.upper_bound(index); next != optimized_.begin();) {
+    --next;
+    const auto before = nodes_.find(next->first);
+    if (before == nodes_.end()) continue;
+    return next->second * before->second.T_odom_base.inverse() * node->second.T_odom_base;
+  }
+  return node->second.T_odom_base;
 }
 
 KeyFramePoses KeyFrameTrack::poses() const {

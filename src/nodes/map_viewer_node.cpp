@@ -6,7 +6,6 @@
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/NavSatFix.h>
 
-#include "lidar_mapping/back_end/pose_change.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
@@ -109,9 +108,7 @@ void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
   key_frames_.note(received.indices());
   const auto changed = poses_.push(received);
   if (!changed || !run_ || changed->run_id != run_id_) return;
-  const KeyFramePoses before = view_.track.poses();
-  view_.track.update(changed->poses);
-  const double moved = back_end::change_between(before, view_.track.poses()).largest;
+  const double moved = view_.track.update(changed->poses);
   if (message.thorough && !message.indices.empty()) view_.optimized = message.indices.back();
   display_.graph_changed();
   map_outdated_ = true;

@@ -42,6 +42,19 @@ TEST(KeyFrameTrack, NewCorrectionsReplaceOlderOnes) {
   }
 }
 
+TEST(KeyFrameTrack, TellsHowFarKeyFramesMove) {
+  KeyFrameTrack track;
+  for (KeyFrameIndex index = 0; index < 10; ++index) track.add(key_frame_at(index, 1.0 * index));
+  EXPECT_NEAR(track.update(shifted(7, 1.0)), 1.0, 1e-12) << "odometry was there before";
+  EXPECT_NEAR(track.update(shifted(7, -2.0)), 3.0, 1e-12);
+  EXPECT_NEAR(track.update(shifted(9, -2.0)), 0.0, 1e-12) << "the last two were expected there";
+  KeyFramePoses one = shifted(5, 0.5);
+  one.whole = false;
+  one.poses.erase(one.poses.begin(), one.poses.begin() + 5);
+  EXPECT_NEAR(track.update(one), 2.5, 1e-12);
+  EXPECT_EQ(KeyFrameTrack().update(shifted(7, 1.0)), 0.0) << "of none that is known";
+}
+
 // Entries may be missing in both lists; the others are associated by index.
 TEST(KeyFrameTrack, AssociatesByIndexWithMissingEntries) {
   std::mt19937 random(4);

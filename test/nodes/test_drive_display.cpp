@@ -7,6 +7,7 @@
 #include "display/graph_markers.hpp"
 #include "display/marker_feed.hpp"
 #include "display/path_display.hpp"
+#include "display/redraw_pace.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {
@@ -176,6 +177,21 @@ TEST(LiveMessages, ALateSubscriberReceivesExactlyTheCurrentMarkers) {
   late.shown[{"left over", 3}] = Marker();
   late.take(feed.whole(now));
   EXPECT_TRUE(late.shows(now));
+}
+
+TEST(RedrawPace, DrawsOnceASecondWhatIsQuick) {
+  RedrawPace pace;
+  EXPECT_TRUE(pace.is_due(100.0)) << "nothing is drawn yet";
+  pace.drawn(100.0, 100.01);
+  EXPECT_FALSE(pace.is_due(100.9));
+  EXPECT_TRUE(pace.is_due(101.0));
+}
+
+TEST(RedrawPace, DrawsMoreSeldomWhatTakesLong) {
+  RedrawPace pace;
+  pace.drawn(100.0, 100.2);
+  EXPECT_FALSE(pace.is_due(109.9));
+  EXPECT_TRUE(pace.is_due(110.1)) << "a fiftieth of the time";
 }
 
 TEST(PathDisplay, KeepsAllPosesOfAShortDrive) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
@@ -25,8 +26,8 @@ class KeyFrameTrack {
   /// Adds a key frame; its cloud is not stored.
   void add(const KeyFrame& key_frame);
   /// Replaces all optimised poses if `poses` are complete (KeyFramePoses::whole), else only those
-  /// given.
-  void update(const KeyFramePoses& poses);
+  /// given. Returns the largest distance by which one of these key frames moves, m.
+  double update(const KeyFramePoses& poses);
 
   /// Poses of all key frames, in the order of their indices.
   KeyFramePoses poses() const;
@@ -44,6 +45,8 @@ class KeyFrameTrack {
     bool degenerate = false;
     Pose T_odom_base;
   };
+  std::optional<Pose> pose_of(KeyFrameIndex index) const;
+
   std::map<KeyFrameIndex, Node> nodes_;
   std::map<KeyFrameIndex, Pose> optimized_;  ///< T_map_base
   std::uint32_t revision_ = 0;

@@ -14,8 +14,10 @@
 #include "lidar_mapping/ros/node_config.hpp"
 
 #include "display/drive_floors.hpp"
+#include "display/drive_status.hpp"
 #include "display/graph_markers.hpp"
 #include "display/marker_feed.hpp"
+#include "display/redraw_pace.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -38,8 +40,9 @@ struct DriveView {
 };
 
 /// Publishes odom_path and optimized_path (at most kPathPoses poses) and graph_markers (changes;
-/// all of them to a new subscriber), at most once a second each, and only for subscribers. All but
-/// the constructor is called in the worker's thread.
+/// all of them to a new subscriber), at most once a second each, and only for subscribers. The text
+/// on the state follows within a second; paths and graph of a long drive at the pace of RedrawPace.
+/// All but the constructor is called in the worker's thread.
 class DriveDisplay {
  public:
   /// `view` returns the state to be displayed.
@@ -53,23 +56,25 @@ class DriveDisplay {
 
  private:
   void show_if_due();
+  void draw_graph();
   void show_paths();
-  void show_markers();
+  void show_graph();
+  void show_status();
   void show_all_markers();
-  MarkerFeed::Markers markers();
-  visualization_msgs::Marker status();
+  visualization_msgs::Marker status_marker();
 
   NodeContext& context_;
   const NodeFields fields_;
   std::function<const DriveView&()> view_;
   Worker::ChannelId tasks_;
-  MarkerFeed feed_;
-  MarkerFeed::Markers graph_;  ///< of the newest displayed graph
+  MarkerFeed graph_feed_, status_feed_;  ///< Both are sent on graph_markers.
+  MarkerFeed::Markers graph_;            ///< As it was drawn last.
+  DriveStatus status_;                   ///< Its figures are those of graph_.
   bool graph_outdated_ = true;
-  bool paths_outdated_ = true;
-  bool markers_outdated_ = true;
+  bool status_outdated_ = true;
   bool was_silent_ = false;
-  ros::WallTime shown_at_;
+  RedrawPace graph_pace_;
+  ros::WallTime status_shown_at_;
   ros::Publisher odom_path_, optimized_path_, graph_markers_;
   ros::WallTimer timer_;
 };
