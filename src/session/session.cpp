@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/session/session.hpp"
 
+#include <cmath>
+
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
@@ -104,7 +106,12 @@ void Session::add_imu(const ImuSample& sample_base) {
   impl_->insert("INSERT OR IGNORE", "imu", to_cells(sample_base));
 }
 
+/// A number that is none would be read back as 0.
 void Session::add_floor(const Floor& floor) {
+  if (!std::isfinite(floor.offset)) {
+    throw InputError("a floor at a distance of " + std::to_string(floor.offset) +
+                     " cannot be stored in a session");
+  }
   impl_->insert("INSERT OR IGNORE", "floors", to_cells(floor));
 }
 

@@ -201,6 +201,9 @@ TEST(Session, RefusesNumbersThatItCouldNotReadBack) {
   Floor floor;
   floor.covariance(1, 1) = std::numeric_limits<double>::infinity();
   EXPECT_THROW(session.add_floor(floor), InputError);
+  floor.covariance(1, 1) = 1.0;
+  floor.offset = kNaN;
+  EXPECT_THROW(session.add_floor(floor), InputError);
   KeyFrame key_frame = example_key_frame(3);
   key_frame.T_odom_base.translation.x() = kNaN;
   EXPECT_THROW(session.add_key_frame(key_frame), InputError);
