@@ -189,9 +189,9 @@ TEST(RedrawPace, DrawsOnceASecondWhatIsQuick) {
 
 TEST(RedrawPace, DrawsMoreSeldomWhatTakesLong) {
   RedrawPace pace;
-  pace.drawn(100.0, 100.2);
+  pace.drawn(100.0, 100.5);
   EXPECT_FALSE(pace.is_due(109.9));
-  EXPECT_TRUE(pace.is_due(110.1)) << "a fiftieth of the time";
+  EXPECT_TRUE(pace.is_due(110.1)) << "a twentieth of the time";
 }
 
 TEST(PathDisplay, KeepsAllPosesOfAShortDrive) {
