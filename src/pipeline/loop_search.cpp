@@ -28,9 +28,8 @@ void LoopSearch::restore(const RecordedBackEnd& back_end) {
   if (const auto origin = session.sensor_origin()) closer_.set_sensor_origin(*origin);
   const std::vector<KeyFrame> key_frames = session.key_frames();
   const auto first_open = std::find_if(
-      key_frames.begin(), key_frames.end(), [end = back_end.searched_key_frames()](const auto& k) {
-        return k.index >= end;
-      });
+      key_frames.begin(), key_frames.end(),
+      [end = back_end.searched_key_frames()](const auto& k) { return k.index >= end; });
   std::for_each(key_frames.begin(), first_open, [&](const auto& k) { closer_.restore(k); });
   closer_.restore(session.loops(), session.gnss(), back_end.poses());
   std::for_each(first_open, key_frames.end(), [&](const auto& k) { search_again(back_end, k); });

@@ -47,9 +47,8 @@ class LoopSearchTest : public ::testing::Test {
     }
     bool has_waiting_match() const {
       const std::vector<LoopVerdict> verdicts = back_end.session().verdicts();
-      return std::any_of(verdicts.begin(), verdicts.end(), [](const LoopVerdict& v) {
-        return v.verdict == Verdict::kUndecided;
-      });
+      return std::any_of(verdicts.begin(), verdicts.end(),
+                         [](const LoopVerdict& v) { return v.verdict == Verdict::kUndecided; });
     }
 
     RecordedBackEnd back_end;
@@ -66,8 +65,8 @@ class LoopSearchTest : public ::testing::Test {
     key_frame.segment = is_again ? 1 : 0;
     key_frame.T_odom_base = is_again ? truth_[mapped_].inverse() * truth_[i] : truth_[i];
     key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
-    key_frame.cloud = std::make_shared<const PointCloud>(
-        world_.scan(truth_[i], static_cast<std::uint32_t>(i)));
+    key_frame.cloud =
+        std::make_shared<const PointCloud>(world_.scan(truth_[i], static_cast<std::uint32_t>(i)));
     return key_frame;
   }
 
