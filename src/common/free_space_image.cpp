@@ -65,8 +65,15 @@ FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vecto
                                                        : FreeSpaceTest::kConsistent;
 }
 
+/// Most points are where a return is, so their own cell is asked before those around it.
 bool FreeSpaceImage::is_certain_violation(const Eigen::Vector3f& p) const {
-  return test_free_space(p) == FreeSpaceTest::kViolation && block_around(cell_of(p)).rows == 3;
+  if (ranges_.empty()) return false;
+  const Cell cell = cell_of(p);
+  const float free = cell.range + kViolationMargin;
+  const float range = ranges_[cell.row * kColumns + cell.column];
+  if (range == kEmpty || !(range > free)) return false;
+  const Block block = block_around(cell);
+  return block.returns >= kMinReturns && block.nearest > free && block.rows == 3;
 }
 
 }  // namespace lidar_mapping

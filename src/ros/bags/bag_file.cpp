@@ -114,7 +114,7 @@ class BagFile : public ChunkedRecording {
   std::vector<BagEntry> entries(const BagChunk& chunk) override {
     std::vector<BagEntry> entries;
     const Record head = record_at(chunk.position);
-    file_.prefetch(head.end(), kAhead);
+    prefetch_from(head.end());
     Record record = record_at(head.end());
     while (is(record, kIndex)) {
       add_entries(record, entries);
@@ -177,6 +177,15 @@ class BagFile : public ChunkedRecording {
   [[noreturn]] void fail(const std::string& reason) const { file_.fail(reason); }
   [[noreturn]] void fail_at(std::uint64_t position) const {
     fail("the record at byte " + std::to_string(position) + " is damaged");
+  }
+
+  /// What was requested is not requested again, because that costs a look at each of its pages.
+  void prefetch_from(std::uint64_t position) {
+    const bool continues = position <= prefetched_ && prefetched_ <= position + kAhead;
+    if (!continues) prefetched_ = position;
+    if (prefetched_ > position + kAhead / 2) return;
+    file_.prefetch(prefetched_, position + kAhead - prefetched_);
+    prefetched_ = position + kAhead;
   }
 
   template <typename Number>
@@ -300,6 +309,7 @@ class BagFile : public ChunkedRecording {
 
   std::string path_;
   FileBytes file_;
+  std::uint64_t prefetched_ = 0;  ///< Up to here the file was requested from the disk.
   std::vector<std::uint8_t> compressed_;
 };
 
