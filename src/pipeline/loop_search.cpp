@@ -9,6 +9,8 @@
 namespace lidar_mapping::pipeline {
 
 void LoopSearch::process(DriveChunk& chunk) {
+  chunk.loops = std::exchange(found_again_.loops, {});
+  chunk.verdicts = std::exchange(found_again_.verdicts, {});
   if (!chunk.key_frame) return;
   if (chunk.p_base_lidar) closer_.set_sensor_origin(*chunk.p_base_lidar);
   if (const auto moved = feedback_.wait_for_step()) closer_.update_poses(*moved);
@@ -17,8 +19,6 @@ void LoopSearch::process(DriveChunk& chunk) {
   }
   loop_closing::LoopClosingResult result = closer_.process(*chunk.key_frame, chunk.prepared);
   chunk.prepared = {};
-  chunk.loops = std::exchange(found_again_.loops, {});
-  chunk.verdicts = std::exchange(found_again_.verdicts, {});
   chunk.loops.insert(chunk.loops.end(), result.loops.begin(), result.loops.end());
   chunk.verdicts.insert(chunk.verdicts.end(), result.verdicts.begin(), result.verdicts.end());
 }
