@@ -17,10 +17,11 @@ namespace {
 constexpr float kCube = 0.8F;
 /// Points of a scan that are looked at. Chosen: cubes then have a point each, also with 16 beams.
 constexpr std::size_t kMostVisited = 40'000;
+/// Cubes of a scan that are matched, which bounds the time of a match. Chosen: several times what
+/// a scan with 64 beams has.
+constexpr std::size_t kMostCubes = std::size_t{1} << 14;
 /// m from the LiDAR, as in verification.cpp: beyond it points are too sparse to judge.
 constexpr float kJudgedRange = 40.0F;
-/// Slots of the table of cubes. Chosen: a power of two, twice the cubes of a scan at most.
-constexpr std::size_t kSlots = std::size_t{1} << 14;
 
 }  // namespace
 
@@ -37,28 +38,22 @@ registration::NdtPoints ndt_points(const std::vector<Eigen::Vector3f>& points,
   return result;
 }
 
-/// A cube that finds no free slot counts as known: a full table only drops points.
 bool ScanPointSampler::is_new_cube(const Eigen::Vector3f& p) {
-  const VoxelKey key = voxel_key(voxel_index(p / kCube));
-  std::size_t slot = VoxelKeyHash()(key) % kSlots;
-  constexpr int kProbes = 8;  // chosen: at half load nearly every key finds its slot
-  for (int probe = 0; probe < kProbes; ++probe, slot = (slot + 1) % kSlots) {
-    if (cubes_[slot] == key) return false;
-    if (cubes_[slot] != 0) continue;
-    cubes_[slot] = key;
-    return true;
-  }
-  return false;
+  const std::size_t before = cubes_.size();
+  cubes_.find_or_add(voxel_key(voxel_index(p / kCube)));
+  return cubes_.size() > before;
 }
 
 ScanPoints ScanPointSampler::sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar) {
-  cubes_.assign(kSlots, 0);
+  cubes_.clear();
   const Eigen::Vector3f viewpoint = p_base_lidar.cast<float>();
   std::vector<Eigen::Vector3f> all, near, structure;
-  // So that any point of a cube may be the one that is taken.
+  // So that any point of a cube may be the one that is taken, and that a bound leaves out points
+  // everywhere alike.
   const std::size_t step = scattering_step(cloud.size());
   const std::size_t visited = std::min(cloud.size(), kMostVisited);
-  for (std::size_t k = 0, i = 0; k < visited; ++k, i = (i + step) % cloud.size()) {
+  for (std::size_t k = 0, i = 0; k < visited && cubes_.size() < kMostCubes;
+       ++k, i = (i + step) % cloud.size()) {
     const Eigen::Vector3f p = cloud.points[i].position();
     const float squared_range = (p - viewpoint).squaredNorm();
     if (!(squared_range < kMaxRange * kMaxRange) || !is_new_cube(p)) continue;  // also not NaN

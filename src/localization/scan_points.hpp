@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "lidar_mapping/common/keyed_list.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
 
 namespace lidar_mapping::localization {
@@ -26,13 +27,18 @@ struct ScanPoints {
 /// Takes the points of scans that are matched. Keeps scratch memory only.
 class ScanPointSampler {
  public:
-  /// Samples a cloud in base_link that was measured from `p_base_lidar` (m).
+  /// Samples a cloud in base_link that was measured from `p_base_lidar` (m): of at most 40,000
+  /// points and 16,384 cubes, which are spread over the cloud.
   ScanPoints sample(const PointCloud& cloud, const Eigen::Vector3d& p_base_lidar);
 
  private:
+  struct Cube {
+    VoxelKey key = 0;
+  };
+
   bool is_new_cube(const Eigen::Vector3f& p);
 
-  std::vector<std::uint64_t> cubes_;  ///< flat hash table of keys
+  KeyedList<Cube, VoxelKeyHash> cubes_;
 };
 
 }  // namespace lidar_mapping::localization

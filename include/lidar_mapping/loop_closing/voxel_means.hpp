@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/keyed_list.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/voxel_index.hpp"
 
@@ -17,10 +18,8 @@ namespace lidar_mapping::loop_closing {
 /// reuses its memory.
 class VoxelMeans {
  public:
-  /// Keeps every point until reset() sets an edge length.
-  VoxelMeans();
-
-  /// Removes all points. `leaf` is the edge length of a voxel, m; with 0 every point is kept.
+  /// Removes all points. `leaf` is the edge length of a voxel, m; with 0, and before the first
+  /// call, every point is kept.
   void reset(double leaf);
   /// Adds a point. Points that are not finite, or that are further than 50 km from the origin along
   /// an axis, are ignored.
@@ -32,10 +31,10 @@ class VoxelMeans {
 
  private:
   struct Voxel {
-    VoxelKey key;
-    float count;
+    VoxelKey key = 0;
+    float count = 0.0F;
     // Of the offsets from the corner of the cell: small, so that float is precise enough.
-    Eigen::Vector3f sum;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   };
   /// A point that is not added to its voxel yet. Points are added in small batches: the processor
   /// often mispredicts the branches of the hash table, and the computation of the next keys should
@@ -49,16 +48,13 @@ class VoxelMeans {
   static constexpr std::size_t kMaxPending = 32;
 
   void process_pending();
-  std::uint32_t find_or_add(VoxelKey key);
-  std::uint32_t& slot_of(VoxelKey key);
-  void grow();
 
   float leaf_ = 0.0F;
   float inverse_leaf_ = 0.0F;
   std::array<PendingPoint, kMaxPending> pending_;
   std::size_t pending_count_ = 0;
-  std::vector<Voxel> voxels_;
-  std::vector<std::uint32_t> slots_;  // hash table with linear probing, at most half full
+  KeyedList<Voxel, VoxelKeyHash> voxels_;
+  std::vector<Eigen::Vector3f> kept_;  // every point, if there are no voxels
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -10,11 +10,12 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kFirstSlots = 1024;  // 4 kB; chosen, it doubles when needed
-
 /// Capacity of a grown list. If it doubled as vectors do, half of the memory of the tiles around
 /// the vehicle would be unused.
-std::size_t grown_capacity(std::size_t size) { return size + size / 8 + kFirstSlots / 2; }
+std::size_t grown_capacity(std::size_t size) {
+  constexpr std::size_t kFirstVoxels = 512;  // 28 kB; chosen
+  return size + size / 8 + kFirstVoxels;
+}
 
 }  // namespace
 
@@ -40,42 +41,26 @@ Eigen::Vector3d TileGrid::origin_of(const TileIndex& tile) const {
   return {static_cast<double>(tile.x) * edge, static_cast<double>(tile.y) * edge, 0.0};
 }
 
-VoxelTile::VoxelTile(std::vector<Voxel> voxels) : voxels_(std::move(voxels)) {
-  std::size_t slots = kFirstSlots;
-  while (slots < 2 * voxels_.size()) slots *= 2;
-  rebuild_slots(slots);
-}
-
 void VoxelTile::insert(const std::vector<TilePoint>& points, KeyFrameIndex key_frame) {
   // Slots and voxels are prefetched while others are processed, because they are rarely in the
   // cache: so many points ahead. Chosen; results do not depend on it.
   constexpr std::size_t kSlotPrefetch = 16;
   constexpr std::size_t kVoxelPrefetch = 8;
-  if (slots_.empty()) rebuild_slots(kFirstSlots);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i + kSlotPrefetch < points.size())
-      __builtin_prefetch(&slots_[first_slot_of(points[i + kSlotPrefetch].voxel)]);
+    if (i + kSlotPrefetch < points.size()) {
+      voxels_.prefetch_slot(points[i + kSlotPrefetch].voxel);
+    }
     if (i + kVoxelPrefetch < points.size()) {
-      const std::uint32_t slot = slots_[first_slot_of(points[i + kVoxelPrefetch].voxel)];
-      if (slot != 0) {
-        __builtin_prefetch(&voxels_[slot - 1].key);
-        __builtin_prefetch(&voxels_[slot - 1].count);
-      }
+      voxels_.prefetch_element(points[i + kVoxelPrefetch].voxel);
     }
     insert(points[i], key_frame);
   }
 }
 
 void VoxelTile::insert(const TilePoint& point, KeyFrameIndex key_frame) {
-  if (2 * (voxels_.size() + 1) > slots_.size()) rebuild_slots(2 * slots_.size());
-  std::uint32_t& slot = slots_[slot_of(point.voxel)];
-  if (slot == 0) {
-    if (voxels_.size() == voxels_.capacity()) voxels_.reserve(grown_capacity(voxels_.size()));
-    voxels_.push_back({point.voxel});
-    voxels_.back().key_frame = key_frame;
-    slot = static_cast<std::uint32_t>(voxels_.size());
-  }
-  Voxel& voxel = voxels_[slot - 1];
+  if (voxels_.size() == voxels_.capacity()) voxels_.reserve(grown_capacity(voxels_.size()));
+  Voxel& voxel = voxels_.find_or_add(point.voxel);
+  if (voxel.count == 0) voxel.key_frame = key_frame;
   voxel.x += static_cast<double>(point.point.x);
   voxel.y += static_cast<double>(point.point.y);
   voxel.z += static_cast<double>(point.point.z);
@@ -84,7 +69,7 @@ void VoxelTile::insert(const TilePoint& point, KeyFrameIndex key_frame) {
 }
 
 void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const {
-  for (const Voxel& voxel : voxels_) {
+  for (const Voxel& voxel : voxels()) {
     const double scale = 1.0 / voxel.count;
     cloud.points.push_back({static_cast<float>(voxel.x * scale + offset.x()),
                             static_cast<float>(voxel.y * scale + offset.y()),
@@ -96,26 +81,8 @@ void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) cons
 std::vector<KeyFrameIndex> VoxelTile::key_frames() const {
   std::vector<KeyFrameIndex> key_frames;
   key_frames.reserve(voxels_.size());
-  for (const Voxel& voxel : voxels_) key_frames.push_back(voxel.key_frame);
+  for (const Voxel& voxel : voxels()) key_frames.push_back(voxel.key_frame);
   return key_frames;
-}
-
-void VoxelTile::rebuild_slots(std::size_t count) {
-  slots_.assign(count, 0);
-  for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    slots_[slot_of(voxels_[i].key)] = static_cast<std::uint32_t>(i + 1);
-  }
-}
-
-std::size_t VoxelTile::first_slot_of(std::uint64_t key) const {
-  return (fibonacci_hash(key) >> 32U) & (slots_.size() - 1);
-}
-
-std::size_t VoxelTile::slot_of(std::uint64_t key) const {
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = first_slot_of(key);
-  while (slots_[slot] != 0 && voxels_[slots_[slot] - 1].key != key) slot = (slot + 1) & mask;
-  return slot;
 }
 
 }  // namespace lidar_mapping::map

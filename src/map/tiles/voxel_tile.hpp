@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/keyed_list.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/map/map_tile.hpp"
 
 namespace lidar_mapping::map {
@@ -70,19 +73,23 @@ struct Voxel {
   KeyFrameIndex key_frame = 0;  ///< Of its first point.
 };
 
+/// Hash of a voxel's key within a tile.
+struct TileVoxelHash {
+  std::size_t operator()(std::uint64_t key) const { return fibonacci_hash(key) >> 32U; }
+};
+
 /// Centroid and mean intensity of each occupied voxel of a tile, in the order in which the voxels
-/// got their first point. The hash table uses open addressing over a dense list of voxels: a hit
-/// touches one cache line.
+/// got their first point.
 class VoxelTile {
  public:
   VoxelTile() = default;
   /// Restores a tile from its voxels().
-  explicit VoxelTile(std::vector<Voxel> voxels);
+  explicit VoxelTile(std::vector<Voxel> voxels) : voxels_(std::move(voxels)) {}
 
   /// Inserts points of a key frame in their order.
   void insert(const std::vector<TilePoint>& points, KeyFrameIndex key_frame);
   std::size_t size() const { return voxels_.size(); }
-  const std::vector<Voxel>& voxels() const { return voxels_; }
+  const std::vector<Voxel>& voxels() const { return voxels_.elements(); }
   /// Appends the centroids to `cloud`, translated by `offset` (m).
   void append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const;
   /// The key frame that observed each voxel first, in the order of voxels().
@@ -90,12 +97,8 @@ class VoxelTile {
 
  private:
   void insert(const TilePoint& point, KeyFrameIndex key_frame);
-  void rebuild_slots(std::size_t count);
-  std::size_t first_slot_of(std::uint64_t key) const;
-  std::size_t slot_of(std::uint64_t key) const;
 
-  std::vector<Voxel> voxels_;
-  std::vector<std::uint32_t> slots_;  ///< Position in voxels_ plus 1; 0: unused.
+  KeyedList<Voxel, TileVoxelHash> voxels_;
 };
 
 }  // namespace lidar_mapping::map
