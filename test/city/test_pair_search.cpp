@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "near.hpp"
 #include "pair_search.hpp"
 #include "temporary_folder.hpp"
 #include "town_session.hpp"
@@ -79,7 +80,7 @@ TEST_F(PairSearchTest, SearchesForTheKeyFramesOfTheChunkAlone) {
   }
   for (const Loop& loop : found.loops) {
     const Pose expected = square_[loop.from].inverse() * square_[loop.to];
-    EXPECT_LT((expected.translation - loop.T_from_to.translation).norm(), 0.3) << loop.to;
+    EXPECT_TRUE(test::near(loop.T_from_to.translation, expected.translation, 0.3)) << loop.to;
     EXPECT_EQ(loop.stamp, kStartOfB + from_seconds(0.2 * static_cast<double>(loop.to)));
   }
 }

@@ -85,14 +85,15 @@ TEST(DoubtCovariance, IsThatOfTheMixtureOfMatchAndPrediction) {
   EXPECT_NEAR(covariance(0, 6), 0.25 * (2.0 * -3.0), 1e-9);
   EXPECT_NEAR(covariance(6, 0), covariance(0, 6), 1e-12);
   EXPECT_NEAR(covariance(1, 1), 0.25 * 0.25, 1e-9);
-  EXPECT_NEAR(doubt_covariance(driving_at(1.0, 10.0), prediction, 1.0).norm(), 0.0, 1e-12);
+  EXPECT_TRUE(test::near(doubt_covariance(driving_at(1.0, 10.0), prediction, 1.0),
+                         Matrix12d::Zero(), 1e-12));
 }
 
 TEST(GapBetween, IsZeroForASteadyMotion) {
   const PreviousMatch previous{driving_at(0.0, 10.0), 0.1};
-  EXPECT_NEAR(gap_between(previous, driving_at(1.0, 10.0)).norm(), 0.0, 1e-12);
+  EXPECT_TRUE(test::near(gap_between(previous, driving_at(1.0, 10.0)), Vector6d::Zero(), 1e-12));
   // With 2 m/s^2.
-  EXPECT_NEAR(gap_between(previous, driving_at(1.01, 10.2)).norm(), 0.0, 1e-12);
+  EXPECT_TRUE(test::near(gap_between(previous, driving_at(1.01, 10.2)), Vector6d::Zero(), 1e-12));
 }
 
 TEST(GapBetween, ShowsAJumpOfThePose) {
