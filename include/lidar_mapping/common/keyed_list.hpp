@@ -19,6 +19,7 @@ namespace lidar_mapping {
 template <typename Element, typename Hash>
 class KeyedList {
  public:
+  /// By which an element is found.
   using Key = decltype(Element::key);
 
   /// An empty list. It takes `elements` without growing its table.
