@@ -2,6 +2,7 @@
 #include "place_finder.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lidar_mapping/common/text.hpp"
 
@@ -9,8 +10,11 @@ namespace lidar_mapping::localization {
 
 namespace {
 
-/// Candidates that are verified with one scan, so that its time is bounded. Chosen.
-constexpr std::size_t kVerificationsPerScan = 2;
+/// Candidates that are verified per second of driving, so that a core keeps up: each takes 30 to
+/// 45 ms of it (doc/results/localization.md).
+constexpr double kVerificationsPerSecond = 20.0;
+/// Fewest candidates that are verified with one scan. Chosen.
+constexpr std::size_t kLeastVerificationsPerScan = 2;
 /// A search follows the last one after this distance (m) or so many scans. Chosen: it then sees the
 /// place from elsewhere, or with other noise.
 constexpr double kSearchDistance = 1.0;
@@ -36,6 +40,7 @@ void PlaceFinder::restart() {
   hypotheses_.clear();
   candidates_.clear();
   claim_.reset();
+  last_scan_.reset();
   is_searching_ = false;
   searches_ = 0;
   scans_ = 0;
@@ -56,8 +61,16 @@ std::optional<Hypothesis> PlaceFinder::search(const LocalizerInput& input, const
   ++scans_;
   hypotheses_.update(points, map_.surfaces, matcher, distance);
   if (is_search_due()) begin_search();
-  if (is_searching_) verify_some();
+  if (is_searching_) verify(candidates_due(input.scan.stamp));
+  last_scan_ = input.scan.stamp;
   return certain();
+}
+
+/// Scans that follow each other slowly leave more time for each.
+std::size_t PlaceFinder::candidates_due(Stamp stamp) const {
+  const double interval = last_scan_ ? to_seconds(stamp - *last_scan_) : 0.0;
+  const auto due = static_cast<std::size_t>(std::lround(kVerificationsPerSecond * interval));
+  return std::max(due, kLeastVerificationsPerScan);
 }
 
 bool PlaceFinder::is_search_due() const {
@@ -108,9 +121,9 @@ void PlaceFinder::begin_search() {
   }
 }
 
-void PlaceFinder::verify_some() {
+void PlaceFinder::verify(std::size_t count) {
   map_.places.set_query(recent_.query());
-  for (std::size_t i = 0; i < kVerificationsPerScan && !candidates_.empty(); ++i) {
+  for (std::size_t i = 0; i < count && !candidates_.empty(); ++i) {
     const auto verified = map_.places.verified(candidates_.front());
     candidates_.pop_front();
     if (verified) hypotheses_.verify(*verified);

@@ -45,6 +45,8 @@ class PlaceFinder {
   Confirmed confirm(const LocalizerInput& input, const Pose& T_map_base, double distance);
 
   const Hypotheses& hypotheses() const { return hypotheses_; }
+  /// Number of searches that have ended.
+  int searches() const { return searches_; }
   /// Why no place is certain yet, in one sentence.
   std::string reason() const;
 
@@ -56,7 +58,8 @@ class PlaceFinder {
   bool is_search_due() const;
   bool has_gone_on() const;
   void begin_search();
-  void verify_some();
+  std::size_t candidates_due(Stamp stamp) const;
+  void verify(std::size_t count);
   void end_search();
   std::optional<Hypothesis> certain() const;
   bool claim_contradicts(const Hypothesis& place) const;
@@ -65,12 +68,13 @@ class PlaceFinder {
   RecentScans recent_;
   Hypotheses hypotheses_;
   std::optional<Claim> claim_;
-  Pose T_start_base_;            ///< by odometry since the search began
-  std::deque<Pose> candidates_;  ///< T_map_base of the newest scan, still to be verified
-  bool is_searching_ = false;    ///< candidates of a search are being verified
-  int searches_ = 0;             ///< that have ended
-  int scans_ = 0;                ///< since the last search began
-  double distance_ = 0.0;        ///< since then, m
+  Pose T_start_base_;               ///< by odometry since the search began
+  std::deque<Pose> candidates_;     ///< T_map_base of the newest scan, still to be verified
+  std::optional<Stamp> last_scan_;  ///< that was searched with
+  bool is_searching_ = false;       ///< candidates of a search are being verified
+  int searches_ = 0;                ///< that have ended
+  int scans_ = 0;                   ///< since the last search began
+  double distance_ = 0.0;           ///< since then, m
 };
 
 }  // namespace lidar_mapping::localization

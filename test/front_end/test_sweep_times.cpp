@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -196,12 +195,11 @@ TEST(PointTimesOfScansInAnyOrder, AreFoundOutWithTheRotationOfTheSensor) {
 // Two of three scans are missing.
 TEST(PointTimesOfARecording, AreFoundOut) {
   REQUIRE_RECORDED(folder, "kitti00_scans");
-  std::ifstream times(folder / "times.txt");
+  const std::vector<Stamp> stamps = test::recorded_stamps(folder);
   FrontEnd front_end{FrontEndConfig{}};
   SweepTimesRule found;
-  double seconds = 0.0;
-  for (std::size_t i = 0; i < 80 && times >> seconds; ++i) {
-    const Scan scan = {from_seconds(1.0 + seconds), test::recorded_scan(folder, i)};
+  for (std::size_t i = 0; i < 80; ++i) {
+    const Scan scan = {from_seconds(1.0) + stamps.at(i), test::recorded_scan(folder, i)};
     found = front_end.process(scan).status.sweep_times;
   }
   ASSERT_EQ(found.source, SweepTimes::kByAzimuth);

@@ -87,6 +87,23 @@ TEST_F(PlaceFinderTest, IsCertainInTheSecondSearchAtTheEarliest) {
   EXPECT_TRUE(near(found->estimate().T_map_base, truth(), 0.15, 0.01));
 }
 
+// The first search looks at more than two candidates with the first scan and goes on with the
+// next; scans a second apart leave time for all.
+TEST_F(PlaceFinderTest, VerifiesMoreCandidatesIfScansAreFarApart) {
+  const auto scans_of_first_search = [&](double interval) {
+    finder_.restart();
+    LocalizerInput input = seen(9);
+    int scans = 0;
+    while (finder_.searches() == 0 && scans < 20) {
+      input.scan.stamp = from_seconds(1.0 + interval * scans++);
+      search(input);
+    }
+    return scans;
+  };
+  EXPECT_GE(scans_of_first_search(0.1), 3);
+  EXPECT_EQ(scans_of_first_search(1.0), 2);
+}
+
 TEST_F(PlaceFinderTest, FindsNoPlaceForBareGround) {
   for (int scan = 1; scan <= 6; ++scan) EXPECT_FALSE(search(seen(9, ToyWorld())));
   EXPECT_EQ(best(), nullptr);

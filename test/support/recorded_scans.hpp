@@ -49,4 +49,12 @@ inline std::vector<Pose> recorded_poses(const std::filesystem::path& folder) {
   return poses;
 }
 
+/// Stamps of a set's scans, from FOLDER/times.txt.
+inline std::vector<Stamp> recorded_stamps(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "times.txt");
+  std::vector<Stamp> stamps;
+  for (double seconds = 0.0; file >> seconds;) stamps.push_back(from_seconds(seconds));
+  return stamps;
+}
+
 }  // namespace lidar_mapping::test
