@@ -11,9 +11,9 @@ namespace {
 class OusterTurnsOfPackets : public testing::Test {
  protected:
   /// Numbers of turns begin anew behind 65535, which is that of turn 0 here.
-  void add(std::size_t turn, std::size_t index) {
+  void add(std::size_t turn, std::size_t index, std::uint64_t fault = 0) {
     const auto bytes = test::packet_of_turn(sensor_, static_cast<std::uint16_t>(65535 + turn),
-                                            index, (1000 + turn) * test::kOusterTurn);
+                                            index, (1000 + turn) * test::kOusterTurn + fault);
     take(turns_.add({bytes.data(), bytes.size()}, from_seconds(100.0), {}));
   }
   void finish() { take(turns_.finish({})); }
@@ -53,6 +53,16 @@ TEST_F(OusterTurnsOfPackets, OneOfATurnThatWasFinishedComesLate) {
   add(2, 0);
   EXPECT_EQ(points_, (std::vector<std::uint32_t>{48, 64}));
   EXPECT_EQ(turns_.late_packets(), 1U);
+}
+
+TEST_F(OusterTurnsOfPackets, LosesOnlyThePacketWhoseTimeIsDamaged) {
+  for (const std::size_t damaged : {0U, 1U, 2U, 3U}) {
+    for (const std::size_t index : {0U, 1U, 2U, 3U}) {
+      add(damaged, index, index == damaged ? 1000 * test::kOusterTurn : 0);
+    }
+  }
+  add(4, 0);
+  EXPECT_EQ(points_, (std::vector<std::uint32_t>{48, 48, 48, 48}));
 }
 
 TEST_F(OusterTurnsOfPackets, AnUnfinishedTurnWaitsForItsEnd) {

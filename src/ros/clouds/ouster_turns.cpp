@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "clouds/point_fields.hpp"
@@ -23,10 +24,20 @@ constexpr std::uint32_t kPoint = 5 * sizeof(float);
 /// Longest turn, s. Chosen: twice that of the slowest mode, 5 Hz; a time farther off is damaged.
 constexpr double kLongestTurn = 0.4;
 
+/// Stamps of whose median a turn's time is known. Chosen: no packet has half of them.
+constexpr std::size_t kStamps = 1000;
+
+/// The median of the stamps of points that are spread over the turn: any one may be damaged.
+Stamp usual_stamp(const Points& points) {
+  std::vector<Stamp> stamps;
+  const std::size_t step = points.size() / kStamps + 1;
+  for (std::size_t i = 0; i < points.size(); i += step) stamps.push_back(points[i].stamp);
+  return median(std::move(stamps));
+}
+
 /// Without the points whose time is not that of the others.
 void drop_damaged_times(Points& points) {
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  const Stamp stamp = middle->stamp;
+  const Stamp stamp = usual_stamp(points);
   const Stamp farthest = from_seconds(kLongestTurn);
   const auto is_off = [&](const OusterPoint& point) {
     return point.stamp < stamp - farthest || point.stamp > stamp + farthest;
