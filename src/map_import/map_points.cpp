@@ -9,6 +9,8 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
+#include "lidar_mapping/common/point_field_names.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/session/pcd_points.hpp"
 
 #include "map_input.hpp"
@@ -66,7 +68,9 @@ class PointReader {
       if (!field || field->type != 'F') fail("it has no fields x y z of floats");
       axes_[axis] = *field;
     }
-    intensity_ = find("intensity");
+    for (const char* name : kIntensityNames) {
+      if (!intensity_) intensity_ = find(name);
+    }
   }
 
   void read() {
@@ -84,10 +88,11 @@ class PointReader {
                     "; it is no PCD file of a map or a damaged one");
   }
 
+  /// The field with a name that is this one in lower case.
   std::optional<NumberField> find(const std::string& name) const {
     std::size_t offset = 0;
     for (const PcdField& field : header_.fields) {
-      if (field.name == name && field.count == 1) {
+      if (lower_case(field.name) == name && field.count == 1) {
         return NumberField{offset, field.size, field.type};
       }
       offset += field.size * field.count;

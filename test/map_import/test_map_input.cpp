@@ -99,12 +99,14 @@ TEST(MapPoints, OfOtherLayoutsAreRead) {
   append(bytes, std::uint8_t{7});
   for (const double number : {utm.x(), utm.y(), utm.z()}) append(bytes, number);
   append(bytes, std::uint16_t{300});
-  write_text(folder.path() / "utm.pcd",
-             header("label x y z intensity", "1 8 8 8 2", "U F F F U", 1, "binary") + bytes);
-  const std::vector<MapPoint> points = all_points(folder.path() / "utm.pcd");
-  ASSERT_EQ(points.size(), 1U);
-  EXPECT_TRUE(near(points[0].p_map, utm, 1e-9));
-  EXPECT_EQ(points[0].intensity, 300.0F);
+  for (const std::string name : {"intensity", "Intensity", "reflectivity"}) {
+    write_text(folder.path() / "utm.pcd",
+               header("label x y z " + name, "1 8 8 8 2", "U F F F U", 1, "binary") + bytes);
+    const std::vector<MapPoint> points = all_points(folder.path() / "utm.pcd");
+    ASSERT_EQ(points.size(), 1U);
+    EXPECT_TRUE(near(points[0].p_map, utm, 1e-9));
+    EXPECT_EQ(points[0].intensity, 300.0F) << name;
+  }
 }
 
 TEST(MapPoints, ThatAreNoNumbersAreLeftOut) {

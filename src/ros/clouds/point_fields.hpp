@@ -8,20 +8,10 @@
 #include <vector>
 
 #include "lidar_mapping/common/number_bytes.hpp"
+#include "lidar_mapping/common/point_field_names.hpp"
 #include "lidar_mapping/ros/cloud_view.hpp"
 
 namespace lidar_mapping::ros_border {
-
-// Names that drivers give to the fields of a point beside its coordinates. The decoder and its
-// tests take them from here alone. They are in lower case; in a cloud they may be of any case. Of
-// several fields of a cloud the one whose name comes first is used.
-inline constexpr std::array kIntensityNames = {"intensity", "i", "reflectivity", "reflectance",
-                                               "intensities"};
-/// Times in two fields are found by time_fields().
-inline constexpr std::array kTimeNames = {
-    "time",   "t",       "timestamp", "time_stamp",   "offset_time", "time_offset",    "ts",
-    "stamp",  "time_ns", "t_ns",      "timestamp_ns", "time_us",     "time_offset_ns", "time_sec",
-    "stamps", "usec",    "nsec"};
 
 // Datatypes of fields of eight bytes, which sensor_msgs lacks, by PCL (pcl/type_traits.h).
 constexpr std::uint8_t kPclInt64 = 9;
