@@ -231,6 +231,8 @@ def judge(rows, truth, align, interruption):
     after = [(stamp, state, error) for stamp, state, error in scans if stamp >= begins - 0.05]
     followed = [(stamp, error) for stamp, state, error in scans if state == 'following' and error]
     said = [stamp - begins for stamp, state, _ in after if state != 'following']
+    if after and after[0][0] > begins + 1.5 / SCAN_RATE:  # scans that tell nothing are left out: no claim
+        said = [0.0]
     right = [stamp - ends for stamp, error in followed if stamp >= ends - 0.05 and not error.is_wrong()]
     beside = [error for _, state, error in after if state == 'beside_map' and error and error.is_wrong()]
     return Outcome(before[-1:] == ['following'], said[0] if said else math.inf,

@@ -50,18 +50,13 @@ void for_each_cloud(const std::vector<KeyFrame>& key_frames, CloudSource& clouds
   }
 }
 
-void add_surfaces(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
-                  CloudSource& clouds, int threads, MapSurfaces& surfaces) {
+/// Both in one pass, because reading the clouds takes longer than what is made of them.
+void add_key_frames(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
+                    CloudSource& clouds, int threads, MapParts& parts) {
+  loop_closing::KeyFramePreparation preparation(parts.places.verification());
   for_each_cloud(map.key_frames, clouds, threads, [&](std::size_t i, const PointCloudPtr& cloud) {
-    if (cloud) surfaces.insert(*cloud, map.poses[i], p_base_lidar);
-  });
-}
-
-void add_appearances(const PlacedKeyFrames& map, CloudSource& clouds, int threads,
-                     PlaceSearch& places) {
-  loop_closing::KeyFramePreparation preparation(places.verification());
-  for_each_cloud(map.key_frames, clouds, threads, [&](std::size_t, const PointCloudPtr& cloud) {
-    places.append(cloud ? preparation.prepare(*cloud) : loop_closing::PreparedKeyFrame());
+    if (cloud) parts.surfaces.insert(*cloud, map.poses[i], p_base_lidar);
+    parts.places.append(cloud ? preparation.prepare(*cloud) : loop_closing::PreparedKeyFrame());
   });
 }
 
@@ -78,8 +73,7 @@ MapIndex::MapIndex(const MapSource& source, CloudSource& clouds,
   parts_.reset(new MapParts{MapSurfaces(most_slots, directory),
                             PlaceSearch(verification, clouds, map.key_frames, map.poses,
                                         source.p_base_lidar, directory)});
-  add_surfaces(map, source.p_base_lidar, clouds, threads, parts_->surfaces);
-  add_appearances(map, clouds, threads, parts_->places);
+  add_key_frames(map, source.p_base_lidar, clouds, threads, *parts_);
   if (gaussians() > 0) return;
   throw InputError("none of the map's clouds can be read; look for its folder key_frames");
 }

@@ -27,11 +27,12 @@ struct MapSource {
 class MapIndex {
  public:
   /// Default bound of the slots of the fine table of Gaussians, of which three quarters can be
-  /// used: 64 bytes each, and a quarter of that for the coarse table, 168 MB. Chosen: at 125 to 250
-  /// Gaussians for each metre of a road, maps of 6 to 12 km are in memory as a whole.
-  static constexpr std::size_t kMostSlots = std::size_t{1} << 21;
+  /// used: 64 bytes each, and a quarter of that for the coarse table, 84 MB. Chosen: at 125 to 250
+  /// Gaussians for each metre of a road, maps of 3 to 6 km are in memory as a whole, and so are the
+  /// surroundings of eight places that look alike.
+  static constexpr std::size_t kMostSlots = std::size_t{1} << 20;
 
-  /// Reads all clouds twice, by at most `threads` threads (0: all cores), and later those of places
+  /// Reads all clouds, by at most `threads` threads (0: all cores), and later those of places
   /// that are verified; `clouds` must outlive this object. Appearances, and the Gaussians for which
   /// tables of `most_slots` slots have no room, go into temporary files without a name in
   /// `directory`. No result depends on `most_slots`. Throws InputError if no key frame has a pose

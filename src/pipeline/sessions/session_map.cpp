@@ -24,11 +24,19 @@ localization::MapSource source_of(const Session& session) {
                    " has no optimised poses, so it is no map yet; optimize_session makes them");
 }
 
+Session opened(const std::filesystem::path& folder) {
+  // Chosen: the key frames around a candidate of 64 beams; who follows reads none.
+  constexpr std::size_t kCacheBytes = std::size_t{16} << 20U;
+  Session session = Session::open(folder, Session::Access::kRead);
+  session.clouds().set_cache_bytes(kCacheBytes);
+  return session;
+}
+
 }  // namespace
 
 SessionMap::SessionMap(const std::filesystem::path& folder,
                        const loop_closing::LoopClosingConfig& verification, int threads)
-    : session_(Session::open(folder, Session::Access::kRead)),
+    : session_(opened(folder)),
       index_(source_of(session_), session_.clouds(), verification,
              std::filesystem::temp_directory_path(), threads) {}
 
