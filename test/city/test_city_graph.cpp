@@ -171,7 +171,7 @@ TEST_F(CityGraph, GnssThatContradictsTheOthersIsLeftOutAndNamed) {
   write_city(city, {}, path("city"));
   const auto poses = opened(path("city")).poses().poses;
   const Eigen::Vector3d& begin_of_b = poses[square_.size()].T_map_base.translation;
-  EXPECT_TRUE(test::near(begin_of_b, square_.front().translation, 1.0));
+  EXPECT_TRUE(lidar_mapping::test::near(begin_of_b, square_.front().translation, 1.0));
 }
 
 TEST_F(CityGraph, ADriveWhoseLoopsContradictIsDetachedAndNamed) {

@@ -80,7 +80,8 @@ TEST_F(PairSearchTest, SearchesForTheKeyFramesOfTheChunkAlone) {
   }
   for (const Loop& loop : found.loops) {
     const Pose expected = square_[loop.from].inverse() * square_[loop.to];
-    EXPECT_TRUE(test::near(loop.T_from_to.translation, expected.translation, 0.3)) << loop.to;
+    EXPECT_TRUE(lidar_mapping::test::near(loop.T_from_to.translation, expected.translation, 0.3))
+        << loop.to;
     EXPECT_EQ(loop.stamp, kStartOfB + from_seconds(0.2 * static_cast<double>(loop.to)));
   }
 }
