@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <regex>
+#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -155,28 +157,43 @@ TEST_F(MapFormats, HelpAndErrorsListAllFormats) {
   }
 }
 
-/// The first line of the file that contains this text.
-std::string line_with(const std::string& path, const std::string& text) {
+/// The first line of the file that contains this text, from there on.
+std::string line_from(const std::string& path, const std::string& text) {
   std::ifstream file(path);
-  for (std::string line; std::getline(file, line);)
-    if (line.find(text) != std::string::npos) return line;
+  for (std::string line; std::getline(file, line);) {
+    const auto at = line.find(text);
+    if (at != std::string::npos) return line.substr(at);
+  }
   return {};
 }
 
-// These are written by hand.
+/// The words of small letters between two texts.
+std::set<std::string> words_between(const std::string& line, const std::string& begin,
+                                    const std::string& end) {
+  const auto at = line.find(begin);
+  if (at == std::string::npos) return {};
+  const auto first = at + begin.size();
+  const std::string list = line.substr(first, line.find(end, first) - first);
+  const std::regex word("[a-z]+");
+  return {std::sregex_token_iterator(list.begin(), list.end(), word), {}};
+}
+
+// These are written by hand, each in one line.
 TEST(MapFormatLists, NameAllFormats) {
-  const std::string lists[] = {
-      line_with("../srv/SaveMap.srv", "string[] formats"),
-      line_with("../scripts/city/project.py", "FORMATS = "),
-      line_with("../doc/glossary.md", "| `formats` |"),
-      line_with("../doc/reference/commands.md", "| `build_map SESSION"),
+  const std::set<std::string> lists[] = {
+      words_between(line_from("../srv/SaveMap.srv", "string[] formats"), "#", ";"),
+      words_between(line_from("../scripts/city/project.py", "FORMATS = "), "(", ")"),
+      words_between(line_from("../doc/glossary.md", "| `formats` |"), "SaveMap:", "|"),
+      words_between(line_from("../doc/reference/commands.md", "| `build_map SESSION"), "--formats",
+                    "]"),
   };
-  for (const std::string& list : lists) {
+  for (const std::set<std::string>& list : lists) {
     for (const std::string& format : product_formats())
-      EXPECT_NE(list.find(format), std::string::npos) << format << " is not in: " << list;
+      EXPECT_EQ(list.count(format), 1U)
+          << format << " is not in list " << (&list - lists) << " of " << list.size() << " words";
   }
   for (const std::string& format : single_file_formats())
-    EXPECT_NE(line_with("../src/report/report_origin.cpp", "map/map." + format), "") << format;
+    EXPECT_NE(line_from("../src/report/report_origin.cpp", "map/map." + format), "") << format;
 }
 
 }  // namespace

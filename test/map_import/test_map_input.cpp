@@ -2,10 +2,13 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/point_field_names.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
@@ -99,7 +102,9 @@ TEST(MapPoints, OfOtherLayoutsAreRead) {
   append(bytes, std::uint8_t{7});
   for (const double number : {utm.x(), utm.y(), utm.z()}) append(bytes, number);
   append(bytes, std::uint16_t{300});
-  for (const std::string name : {"intensity", "Intensity", "reflectivity"}) {
+  std::vector<std::string> names(kIntensityNames.begin(), kIntensityNames.end());
+  names.emplace_back("Intensity");
+  for (const std::string& name : names) {
     write_text(folder.path() / "utm.pcd",
                header("label x y z " + name, "1 8 8 8 2", "U F F F U", 1, "binary") + bytes);
     const std::vector<MapPoint> points = all_points(folder.path() / "utm.pcd");

@@ -169,6 +169,7 @@ TEST(PointTimes, FindsTheUnitAtOtherRates) {
       }
       const DecodedCloud decoded = decode(message, {});
       EXPECT_EQ(decoded.format.time_unit, name) << period;
+      ASSERT_TRUE(decoded.scan.cloud.has_times()) << name;
       EXPECT_NEAR(decoded.scan.cloud.times.back(), period, 1e-6);
     }
   }
@@ -196,7 +197,9 @@ TEST(PointTimes, TakesTheUnitFromTheNameWhereNoneFitsThePeriod) {
       for (std::size_t i = 0; i < kCount; ++i) {
         put(message, i, 12, static_cast<std::uint32_t>(std::llround(span * fraction(i) / unit)));
       }
-      EXPECT_NEAR(decode(message, {}).scan.cloud.times.back(), span, 1e-6) << name;
+      const DecodedCloud decoded = decode(message, {});
+      ASSERT_TRUE(decoded.scan.cloud.has_times()) << name;
+      EXPECT_NEAR(decoded.scan.cloud.times.back(), span, 1e-6) << name;
     }
   }
 }
@@ -206,7 +209,9 @@ TEST(PointTimes, ObeysTheConfiguredUnitAndSwitch) {
   for (std::size_t i = 0; i < kCount; ++i) put(message, i, 12, static_cast<std::uint32_t>(i));
   PreprocessingConfig config;
   config.point_time_unit = preprocessing::PointTimeUnit::kMicroseconds;
-  EXPECT_NEAR(decode(message, config).scan.cloud.times.back(), 999e-6, 1e-9);
+  const DecodedCloud decoded = decode(message, config);
+  ASSERT_TRUE(decoded.scan.cloud.has_times());
+  EXPECT_NEAR(decoded.scan.cloud.times.back(), 999e-6, 1e-9);
   config.point_times = preprocessing::PointTimes::kNone;
   EXPECT_FALSE(decode(message, config).scan.cloud.has_times());
 }
