@@ -75,7 +75,7 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
       [&worker = context.worker, channel, gaps,
        handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
-        const boost::shared_ptr<const Message> message = event.getConstMessage();
+        const boost::shared_ptr<const Message>& message = event.getConstMessage();
         if constexpr (ros::message_traits::HasHeader<Message>::value) {
           if (gaps) {
             worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));

@@ -216,8 +216,8 @@ class BagFile : public ChunkedRecording {
     file_.read(position + sizeof length, text.data(), text.size());
     const auto fields = header_fields({text.data(), length});
     if (!fields) fail_at(position);
-    const Record record{position, *fields, position + sizeof length + text.size(),
-                        number_at<std::uint32_t>(text.data() + length)};
+    Record record{position, *fields, position + sizeof length + text.size(),
+                  number_at<std::uint32_t>(text.data() + length)};
     if (record.end() > file_.size()) {
       fail("its end is missing, within the record at byte " + std::to_string(position));
     }
