@@ -50,7 +50,7 @@ void for_each_cloud(const std::vector<KeyFrame>& key_frames, CloudSource& clouds
   }
 }
 
-/// Both in one pass, because reading the clouds takes longer than what is made of them.
+/// Both in one pass, so that each cloud is read once.
 void add_key_frames(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
                     CloudSource& clouds, int threads, MapParts& parts) {
   loop_closing::KeyFramePreparation preparation(parts.places.verification());

@@ -17,7 +17,7 @@ namespace {
 constexpr float kCube = 0.8F;
 /// Points of a scan that are looked at. Chosen: cubes then have a point each, also with 16 beams.
 constexpr std::size_t kMostVisited = 40'000;
-/// Cubes of a scan that are matched, which bounds the time of a match. Chosen: several times what
+/// Cubes of a scan that are matched, which bounds the time of a match. Chosen: about twice what
 /// a scan with 64 beams has.
 constexpr std::size_t kMostCubes = std::size_t{1} << 14;
 /// m from the LiDAR, as in verification.cpp: beyond it points are too sparse to judge.
