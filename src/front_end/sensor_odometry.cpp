@@ -192,7 +192,7 @@ FrontEndResult SensorOdometry::result_of(Stamp stamp, const TrackedScan& tracked
 /// Returns the covariance of the step.
 Covariance6 SensorOdometry::add_step(const TrackedScan& from, const TrackedScan& to) {
   key_frames_.add_step(from, to);
-  const Covariance6 covariance = tracker_->covariance_of_step(from, to);
+  Covariance6 covariance = tracker_->covariance_of_step(from, to);
   if (!is_doubtful(to.status)) return covariance;
   return covariance + expected_error_covariance(to.status);
 }

@@ -172,7 +172,7 @@ class VgicpRegistration : public Registration {
     for (int attempt = 0; attempt < kMaxTries; ++attempt) {
       damping = std::max(damping, least_damping);
       const Matrix6d damped = now.hessian + damping * Matrix6d::Identity();
-      const Vector6d step = -damped.ldlt().solve(now.gradient);
+      Vector6d step = -damped.ldlt().solve(now.gradient);
       const Pose moved = perturbed(T, step);
       if (equations_of(pairs, moved, config_.num_threads).error <= now.error) {
         T = moved;

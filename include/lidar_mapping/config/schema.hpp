@@ -128,7 +128,7 @@ class Schema {
     };
     const auto read = [=](Config& c, const Value& v) {
       std::string word;
-      const std::string problem = read_value(v, word);
+      std::string problem = read_value(v, word);
       if (!problem.empty()) return problem;
       for (const auto& entry : choices) {
         if (entry.first != word) continue;

@@ -34,7 +34,7 @@ void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidenc
 
 void StepOrigin::update(const TrackedScan& tracked) {
   if (!claims_pose(tracked.status.state) && !tracked.new_segment) return;
-  estimate_ = tracked;
+  estimate_ = static_cast<const PoseEstimate&>(tracked);
   elapsed_ = 0.0;
 }
 

@@ -66,7 +66,7 @@ TrackedScan NdtTracker::begin_result() const {
 
 PredictedMotion NdtTracker::predict(const Step& step) {
   timer_.start("matching");
-  const PredictedMotion predicted =
+  PredictedMotion predicted =
       predictor_.predict(state_.filter, step.prior, step.seconds, sweep_.duration());
   state_.filter = predicted.filter;
   return predicted;
