@@ -24,8 +24,8 @@ TEST(SortedPathsIn, AreTheWantedOnesByName) {
     return entry.path().extension() == ".bin";
   };
   const auto in_folder = [&](const char* name) { return folder.path() / name; };
-  const std::vector<fs::path> all = {in_folder("0.bin"), in_folder("1.bin"), in_folder("10.bin"),
-                                     in_folder("2.bin")};
+  const std::vector<fs::path> all = {in_folder("0.bin"), in_folder("1.bin"), in_folder("2.bin"),
+                                     in_folder("10.bin")};
   EXPECT_EQ(sorted_paths_in(folder.path(), is_bin), all);
   const auto none = [](const fs::directory_entry&) { return false; };
   EXPECT_TRUE(sorted_paths_in(folder.path(), none).empty());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +46,37 @@ TEST(Text, IsQuotedWithItsOwnMarksDoubled) {
   EXPECT_EQ(quoted("", '"'), "\"\"");
   EXPECT_EQ(quoted("far, \"too\" far", '"'), "\"far, \"\"too\"\" far\"");
   EXPECT_EQ(quoted("it's \"a\"", '\''), "'it''s \"a\"'");
+}
+
+TEST(Text, NumbersInNamesAreOrderedByTheirValue) {
+  const std::vector<std::string> ordered = {"",
+                                            "0.bin",
+                                            "1.bin",
+                                            "01.bin",
+                                            "2.bin",
+                                            "10.25.bin",
+                                            "10.5.bin",
+                                            "10.bin",
+                                            "10a.bin",
+                                            "scan.bin",
+                                            "scan9",
+                                            "scan10",
+                                            "scan10_1",
+                                            "scan10_02",
+                                            "scan10_3",
+                                            "scan0011",
+                                            "scan99999999999999999999"};
+  std::vector<std::string> names = ordered;
+  std::rotate(names.begin(), names.begin() + 7, names.end());
+  std::reverse(names.begin(), names.begin() + 5);
+  std::sort(names.begin(), names.end(), in_order_of_numbers);
+  EXPECT_EQ(names, ordered);
+  EXPECT_TRUE(in_order_of_numbers("9.pcd", "10.pcd"));
+  EXPECT_TRUE(in_order_of_numbers("000009.pcd", "000010.pcd"));
+  EXPECT_TRUE(in_order_of_numbers("1317617735.25.pcd", "1317617735.5.pcd")) << "decimals";
+  EXPECT_TRUE(in_order_of_numbers("drive_9.bag", "drive_10.bag"));
+  EXPECT_TRUE(in_order_of_numbers("1.bin", "01.bin")) << "the same number";
+  EXPECT_FALSE(in_order_of_numbers("7.bin", "7.bin"));
 }
 
 TEST(Text, SecondsHaveAllDigitsOfTheStamp) {

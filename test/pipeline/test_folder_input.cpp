@@ -131,6 +131,21 @@ TEST_F(FolderInputTest, UsesTenHertzForNumberedScans) {
   EXPECT_EQ(std::get<RecordedScan>(inputs[0]).stamp, 100000000);
 }
 
+// By their letters, 10 comes before 2.
+TEST_F(FolderInputTest, ReadsNumberedScansInTheOrderOfTheirNumbers) {
+  for (int i = 0; i < 12; ++i) {
+    write_bin(std::to_string(i) + ".bin", {1.0F, 2.0F, 3.0F, static_cast<float>(i)});
+  }
+  FolderInput input = open();
+  const std::vector<Input> inputs = all(input);
+  ASSERT_EQ(inputs.size(), 12U);
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto& scan = std::get<RecordedScan>(inputs[i]);
+    EXPECT_EQ(scan.stamp, from_seconds(0.1 * static_cast<double>(i)));
+    EXPECT_EQ(scan.decode({}).cloud.points[0].intensity, static_cast<float>(i));
+  }
+}
+
 TEST_F(FolderInputTest, NamesAFolderThatIsMissing) {
   const auto said = [&] { return test::error_text<FileError>([&] { open(); }); };
   write_raw();

@@ -23,6 +23,10 @@ bool contains(const std::vector<std::string>& texts, const std::string& text);
 /// The text with the letters A to Z in lower case.
 std::string lower_case(std::string text);
 
+/// Whether `a` comes before `b` as a person orders files: digits in a row are compared as one
+/// number, so scan9 comes before scan10, and behind a decimal point as its decimals.
+bool in_order_of_numbers(const std::string& a, const std::string& b);
+
 /// The text between two `mark`s, with each of those in it doubled, as CSV (") and YAML (') have it.
 std::string quoted(const std::string& text, char mark);
 

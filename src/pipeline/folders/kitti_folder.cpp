@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -45,7 +46,7 @@ std::vector<std::string> scan_names(const fs::path& folder) {
     if (entry.path().extension() == ".bin") names.push_back(entry.path().stem().string());
   }
   if (names.empty()) throw FileError("no .bin files in " + folder.string());
-  std::sort(names.begin(), names.end());
+  std::sort(names.begin(), names.end(), in_order_of_numbers);
   return names;
 }
 
