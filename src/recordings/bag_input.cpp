@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag_input.hpp"
 
+#include <cstdlib>
 #include <deque>
 #include <iomanip>
 #include <limits>
@@ -42,6 +43,10 @@ constexpr Stamp kFramesTime = from_seconds(20.0);
 /// Up to this time a stamp of 0 may be a real one, because simulators start at 0.
 constexpr Stamp kSimulatedUntil = from_seconds(1e6);
 
+/// Clocks of stamps and of the recorder that differ by less are taken for one. Chosen: more than
+/// any delay on the way to the recorder, less than TAI (37 s) or GPS time (18 s) is ahead of UTC.
+constexpr Stamp kSameClock = from_seconds(10.0);
+
 /// The stamp, or the time of recording if the driver sets no stamp.
 Stamp given_or_recorded(Stamp stamp, Stamp recorded) {
   return stamp == 0 && recorded > kSimulatedUntil ? recorded : stamp;
@@ -72,6 +77,7 @@ class RecordedBags : public BagInput {
     topics_ = ros_border::topics_in(bags_, wanted);
     read_frames();
     if (const auto cloud = ros_border::first_cloud(bags_, topics_.points)) {
+      compare_clocks(*cloud);
       choose_base_frame(frame_of(*cloud));
       take_back_moving_clouds(frame_of(*cloud));
       add_other_lidars(*cloud);
@@ -82,8 +88,8 @@ class RecordedBags : public BagInput {
     }
     const auto times = bags_.times_of(topics_.by_sensor());
     if (!times) return;
-    begin_ = times->first;
-    end_ = times->second;
+    begin_ = times->first - recorder_ahead_;
+    end_ = times->second - recorder_ahead_;
   }
 
   std::optional<Input> next() override {
@@ -110,9 +116,10 @@ class RecordedBags : public BagInput {
   }
 
   void skip_to(Stamp stamp) override {
+    const Stamp recorded = stamp + recorder_ahead_;
     // The clouds of other LiDARs that belong to the first scan were recorded before it.
-    stream().skip_to(others_.empty() ? stamp : stamp - from_seconds(2.0 * reach()));
-    scans_from_ = stamp;
+    stream().skip_to(others_.empty() ? recorded : recorded - from_seconds(2.0 * reach()));
+    scans_from_ = recorded;
   }
 
   Stamp begin() const override { return begin_; }
@@ -149,6 +156,15 @@ class RecordedBags : public BagInput {
     frames_from_ = scans ? scans->first : 0;
     ros_border::add_recorded_frames(bags_, "/tf", frames_from_, frames_from_ + kFramesTime,
                                     frames_);
+  }
+
+  /// A LiDAR may count from its start, or by TAI. Parts of the recording are chosen by stamps.
+  void compare_clocks(const RecordedCloud& first) {
+    const Stamp stamp = ros_border::from_ros(first.message.header.stamp);
+    const auto scans = bags_.times_of({topics_.points});
+    if (!scans || given_or_recorded(stamp, scans->first) != stamp) return;
+    const Stamp ahead = scans->first - stamp;
+    if (std::abs(ahead) > kSameClock) recorder_ahead_ = ahead;
   }
 
   /// Without a transform to base_link the LiDAR's frame is used as base_link.
@@ -332,7 +348,8 @@ class RecordedBags : public BagInput {
       std::numeric_limits<Stamp>::min();                 ///< when the first wanted one was recorded
   std::optional<ros_border::TransformOdometry> wheels_;  ///< set if the velocity is read from tf
   std::deque<Input> waiting_;                            ///< further samples of the last message
-  Stamp begin_ = 0;
+  Stamp recorder_ahead_ = 0;  ///< of the stamps' clock, ns; 0 if it is the same
+  Stamp begin_ = 0;           ///< by the stamps' clock, as end_
   Stamp end_ = 0;
   std::optional<BagStream> stream_;
   std::size_t damaged_messages_ =

@@ -3,6 +3,7 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
+#include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "bag_input.hpp"
@@ -33,6 +34,35 @@ TEST(BagInput, ReadsOnBehindATimeOfRecordingThatIsNone) {
   std::size_t count = 0;
   while (input->next()) ++count;
   EXPECT_EQ(count, 3U);
+}
+
+// A LiDAR counts by TAI (37 s ahead of UTC), or from its start. Parts of a recording are chosen by
+// the stamps of its scans.
+TEST(BagInput, CountsByTheClockOfTheStamps) {
+  constexpr Stamp kRecorded = 1'700'000'000'000'000'000;
+  for (const double ahead : {37.0, -37.0, -1.6e9, -0.05}) {
+    const test::TemporaryFolder folder;
+    const std::string path = (folder.path() / "drive.bag").string();
+    const Stamp first = kRecorded + from_seconds(ahead);
+    {
+      rosbag::Bag bag(path, rosbag::bagmode::Write);
+      for (int i = 0; i < 20; ++i) {
+        const Stamp since = from_seconds(0.1 * i);
+        bag.write("/points", ros_border::to_ros(kRecorded + since),
+                  ros_border::to_message({{{1.0F, 2.0F, 3.0F, 4.0F}}, {}}, first + since, "lidar"));
+      }
+    }
+    const auto input = make_bag_input({path}, {}, "base_link", {});
+    EXPECT_LT(std::abs(to_seconds(input->begin() - first)), 0.1) << ahead;
+    EXPECT_NEAR(to_seconds(input->end() - input->begin()), 1.9, 1e-6) << ahead;
+    input->skip_to(input->begin() + from_seconds(0.95));
+    std::vector<Stamp> stamps;
+    while (const auto datum = input->next()) {
+      stamps.push_back(std::get<pipeline::RecordedScan>(*datum).stamp);
+    }
+    ASSERT_EQ(stamps.size(), 10U) << ahead;
+    EXPECT_EQ(stamps.front(), first + from_seconds(1.0)) << ahead;
+  }
 }
 
 /// Records packets of two turns of an Ouster, and the last one of the first turn once more behind

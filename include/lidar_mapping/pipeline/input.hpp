@@ -37,7 +37,8 @@ class InputSource {
   virtual ~InputSource() = default;
   /// The next datum; none at the end. Throws FileError.
   virtual std::optional<Input> next() = 0;
-  /// Continues with the first datum that was delivered at or after `stamp`.
+  /// Continues with the first datum that was delivered at or after `stamp`. This and the next times
+  /// are by the clock of the scans' stamps, which need not be that of the recorder.
   virtual void skip_to(Stamp stamp) = 0;
   /// Time of the first datum of the whole recording, ns.
   virtual Stamp begin() const = 0;
