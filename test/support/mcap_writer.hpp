@@ -106,9 +106,6 @@ class McapWriter {
       for (const auto& [time, offset] : entries) list.number(time).number(offset);
       offsets.number(id).number(out_.record(7, McapBytes().number(id).text(list.get())));
     }
-    if (!options_.has_message_indexes) {
-      for (const auto& [id, entries] : entries_) offsets.number(id).number(std::uint64_t{0});
-    }
     McapBytes index;
     index.number(begin_).number(end_).number(position).number(end - position);
     index.text(offsets.get()).number(out_.size() - end).text(options_.compression);

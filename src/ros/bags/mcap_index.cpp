@@ -82,11 +82,13 @@ McapSpan span_of(const McapChunkIndex& chunk, std::uint64_t limit) {
   return span;
 }
 
-/// Whether the summary knows all chunks, and their channels.
+/// Whether the summary knows all chunks, and their channels. Of chunks without message indexes it
+/// knows none.
 bool is_complete(const McapIndex& index, const std::optional<McapStatistics>& statistics) {
   if (!statistics || statistics->chunks != index.spans.size()) return false;
   if (index.spans.empty()) return statistics->messages == 0;
   for (const McapSpan& span : index.spans) {
+    if (span.channels.empty()) return false;
     for (const std::uint16_t channel : span.channels) {
       if (index.channels.count(channel) == 0) return false;
     }
