@@ -125,6 +125,19 @@ TEST_F(ScanTrack, DoesWithoutKeyFramesThatHaveNoPose) {
   }
 }
 
+// As in the map up to a date: the scans behind the last pose are those of later days.
+TEST_F(ScanTrack, EndsWhereThePosesEndBeforeTheKeyFrames) {
+  for (int i = 0; i <= 6; ++i) add_scan(0.1 * i);
+  for (const double seconds : {0.1, 0.3, 0.5}) add_key_frame(seconds, 1.0);
+  const KeyFramePoses whole = poses_;
+  poses_.poses.pop_back();
+  EXPECT_EQ(stamps(),
+            (std::vector<Stamp>{stamp_at(0.0), stamp_at(0.1), stamp_at(0.2), stamp_at(0.3)}));
+  poses_.poses = {whole.poses.begin() + 1, whole.poses.end()};
+  EXPECT_EQ(stamps(),
+            (std::vector<Stamp>{stamp_at(0.3), stamp_at(0.4), stamp_at(0.5), stamp_at(0.6)}));
+}
+
 TEST_F(ScanTrack, DerivesTheMotionFromTheNeighbours) {
   for (int i = 0; i <= 4; ++i) add_scan(0.1 * i);
   add_key_frame(0.0, 0.0);

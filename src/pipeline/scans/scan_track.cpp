@@ -22,9 +22,18 @@ struct Correction {
   Pose T_map_odom;
 };
 
-/// Corrections of all key frames, by stamp.
-std::vector<Correction> corrections(const session::Session& session, const KeyFramePoses& poses) {
-  std::vector<Correction> result;
+/// Corrections of all key frames with a pose, by stamp.
+struct Corrections {
+  std::vector<Correction> list;
+  /// Whether the first and the last key frame of the session are among them. Otherwise the scans
+  /// before or behind these are not wanted, or nobody knows where they are.
+  bool has_first = false;
+  bool has_last = false;
+};
+
+Corrections corrections(const session::Session& session, const KeyFramePoses& poses) {
+  Corrections corrections;
+  std::vector<Correction>& result = corrections.list;
   const std::vector<KeyFrame> key_frames = session.key_frames();
   auto pose = poses.poses.begin();
   for (const KeyFrame& key_frame : key_frames) {
@@ -37,19 +46,33 @@ std::vector<Correction> corrections(const session::Session& session, const KeyFr
   // Drives may have been merged in another order than that of their times.
   std::stable_sort(result.begin(), result.end(),
                    [](const Correction& a, const Correction& b) { return a.stamp < b.stamp; });
-  return result;
+  if (result.empty()) return corrections;
+  const auto [first, last] =
+      std::minmax_element(key_frames.begin(), key_frames.end(),
+                          [](const KeyFrame& a, const KeyFrame& b) { return a.stamp < b.stamp; });
+  corrections.has_first = result.front().stamp == first->stamp;
+  corrections.has_last = result.back().stamp == last->stamp;
+  return corrections;
 }
 
 std::optional<Pose> corrected_pose(Stamp stamp, const Pose& T_odom_base,
-                                   const std::vector<Correction>& corrections) {
-  if (corrections.empty()) return std::nullopt;
+                                   const Corrections& corrections) {
+  const std::vector<Correction>& list = corrections.list;
+  if (list.empty()) return std::nullopt;
   const auto after = std::upper_bound(
-      corrections.begin(), corrections.end(), stamp,
+      list.begin(), list.end(), stamp,
       [](Stamp wanted, const Correction& correction) { return wanted < correction.stamp; });
-  if (after == corrections.begin()) return after->T_map_odom * T_odom_base;
+  if (after == list.begin()) {
+    if (!corrections.has_first) return std::nullopt;
+    return after->T_map_odom * T_odom_base;
+  }
   const Correction& before = *(after - 1);
   const Pose from_before = before.T_map_odom * T_odom_base;
-  if (before.stamp == stamp || after == corrections.end()) return from_before;
+  if (before.stamp == stamp) return from_before;
+  if (after == list.end()) {
+    if (!corrections.has_last) return std::nullopt;
+    return from_before;
+  }
   if (before.segment != after->segment) return std::nullopt;
   const double fraction =
       to_seconds(stamp - before.stamp) / to_seconds(after->stamp - before.stamp);
@@ -102,7 +125,7 @@ std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFrame
   odometry.erase(std::remove_if(odometry.begin(), odometry.end(),
                                 [&](const auto& pose) { return lost.count(pose.first) > 0; }),
                  odometry.end());
-  const std::vector<Correction> known = corrections(session, poses);
+  const Corrections known = corrections(session, poses);
   std::vector<ScanPose> scans;
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     const auto T_map_base = corrected_pose(odometry[i].first, odometry[i].second, known);
