@@ -85,6 +85,22 @@ TEST(MoveKernel, KeepsTheMotionConstantBeyondItsEnds) {
   }
 }
 
+// One of them would make the mean of its whole voxel one.
+TEST(MoveKernel, ClearsIntensitiesThatAreNotFinite) {
+  for (const std::size_t count : {1U, 16U, 41U}) {
+    PointCloud cloud = cloud_in(Order::kByTime, count);
+    for (std::size_t i = 0; i < count; i += 3) {
+      cloud.points[i].intensity = i % 2 == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                             : -std::numeric_limits<float>::infinity();
+    }
+    keep_and_deskew(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), nullptr);
+    ASSERT_EQ(cloud.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(cloud.points[i].intensity, i % 3 == 0 ? 0.0F : static_cast<float>(i)) << i;
+    }
+  }
+}
+
 /// How a driver may lay out its points.
 struct Layout {
   std::size_t step, intensity;

@@ -269,6 +269,14 @@ __attribute__((noinline)) Done append_some(const Rows& points, const float* time
   return done;
 }
 
+/// Sets intensities that are not finite to zero; coordinates that are not are never kept.
+LIDAR_MAPPING_INLINE void clear_bad_intensities(Rows& points) {
+  for (int k = 0; k < 4; ++k) {
+    const Floats row = points.row[k];
+    points.row[k] = (row - row) == 0.0F ? row : Floats{};
+  }
+}
+
 /// Used if the intensity does not follow the coordinates.
 LIDAR_MAPPING_INLINE void put_intensities(const PointSource& source, const unsigned char* from,
                                           Rows& points) {
@@ -304,6 +312,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
   Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);  // NaN fails
   if (rule.has_box) keep &= ~is_inside(rule, p);
   if (source.intensity != 3 * sizeof(float)) put_intensities(source, from, points);
+  clear_bad_intensities(points);
   put(p, points);
   const unsigned bits = bits_of(keep);
   if (bits == kAll) {
