@@ -146,7 +146,11 @@ TEST(GeoJson, SaysThatItIsLocalWithoutADatum) {
   const Files files = write_geojson(example_marks(), std::nullopt, folder.path());
   EXPECT_EQ(files[0].filename(), "trajectory_local_metres.geojson");
   const auto path = json_in(files[0]);
-  EXPECT_EQ(path["coordinates"], "metres in the frame of the map, not WGS 84");
+  EXPECT_EQ(path["frame"], "metres in the frame of the map, not WGS 84");
+  // Members that RFC 7946 (7.1) forbids in a collection.
+  for (const char* member : {"coordinates", "geometries", "geometry", "properties"}) {
+    EXPECT_FALSE(path.contains(member)) << member;
+  }
   EXPECT_EQ(path["features"][1]["geometry"]["coordinates"][2][0], 50.0);
 }
 

@@ -128,6 +128,14 @@ TEST(WriteLas, CoordinatesAreAccurateToAMillimetre) {
       EXPECT_EQ(zone, 32);
     }
   }
+  // Readers use the bounds of the header, so no point may lie beyond them by its rounding.
+  for (std::size_t i = 0; i < index; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto bound = static_cast<std::size_t>(179 + 16 * axis);
+      EXPECT_LE(las_point(las, i)[axis], number_at<double>(las, bound));
+      EXPECT_GE(las_point(las, i)[axis], number_at<double>(las, bound + 8));
+    }
+  }
   EXPECT_EQ(number_at<std::uint16_t>(las, 227 + 54 + 22), 32632) << "EPSG code";
   EXPECT_EQ(number_at<std::uint16_t>(las, number_at<std::uint32_t>(las, 96) + 32), 65535);
 }

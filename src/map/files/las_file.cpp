@@ -80,8 +80,9 @@ std::string records(const MapTile& tile, const MillimetreFrame& frame, float int
   Bytes bytes;
   for (const Point& point : tile.cloud.points) {
     const Eigen::Vector3d p = frame.projected(tile.origin + point.position().cast<double>());
-    box.extend(p);
-    for (const std::int32_t coordinate : frame.millimetres(p)) bytes.add(coordinate);
+    const auto millimetres = frame.millimetres(p);
+    for (const std::int32_t coordinate : millimetres) bytes.add(coordinate);
+    box.extend(frame.position_of(millimetres));
     const float intensity = std::clamp(point.intensity * intensity_scale, 0.0F, 65535.0F);
     bytes.add(static_cast<std::uint16_t>(std::lround(intensity)));
     bytes.add(kOnlyReturn).add(std::uint8_t{0}).add(std::int8_t{0}).add(std::uint8_t{0});

@@ -27,6 +27,10 @@ class MillimetreFrame {
   /// What projected() gives, in millimetres from the offset. Throws InputError for a point that is
   /// too far from it.
   std::array<std::int32_t, 3> millimetres(const Eigen::Vector3d& p_projected) const;
+  /// Where a reader of the file finds these millimetres, in m.
+  Eigen::Vector3d position_of(const std::array<std::int32_t, 3>& millimetres) const {
+    return offset_ + kMillimetre * Eigen::Vector3d(millimetres[0], millimetres[1], millimetres[2]);
+  }
   const Eigen::Vector3d& offset() const { return offset_; }
   /// Code of WGS 84 / UTM (near the poles UPS); 0 without a datum.
   std::uint16_t epsg() const { return utm_ ? utm_->epsg() : std::uint16_t{0}; }

@@ -49,7 +49,7 @@ Json GeoJson::polygon(const std::vector<Eigen::Vector3d>& corners_map) const {
 std::filesystem::path GeoJson::write(const std::string& name, const Json& features,
                                      const std::filesystem::path& directory) const {
   Json collection = {{"type", "FeatureCollection"}};
-  if (!datum_) collection["coordinates"] = "metres in the frame of the map, not WGS 84";
+  if (!datum_) collection["frame"] = "metres in the frame of the map, not WGS 84";
   collection["features"] = features;
   const auto file = directory / (name + (datum_ ? "" : "_local_metres") + ".geojson");
   write_text_atomically(file, json::dumped(collection) + "\n");
