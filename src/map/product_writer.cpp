@@ -118,8 +118,18 @@ void ProductWriter::write_changes() {
         "changes are what the LiDAR has looked through without moving objects: give its position "
         "in base_link, and do not keep moving objects");
   }
-  add(map::write_changes(current_clouds_->changes(), current_clouds_->visits().visits(),
-                         options_.datum, directory_));
+  add(map::write_changes(changes(), current_clouds_->visits().visits(), options_.datum,
+                         directory_));
+}
+
+std::vector<moving_objects::Change> ProductWriter::changes() {
+  std::vector<moving_objects::Change> changes = current_clouds_->changes();
+  if (!options_.crop) return changes;
+  const auto is_outside = [&](const moving_objects::Change& change) {
+    return !options_.crop->intersects(Eigen::AlignedBox3d(change.low, change.high));
+  };
+  changes.erase(std::remove_if(changes.begin(), changes.end(), is_outside), changes.end());
+  return changes;
 }
 
 void ProductWriter::write_geojson() {
@@ -152,7 +162,7 @@ bool ProductWriter::is_selected(const std::string& format) const {
 WebPage ProductWriter::web_page() {
   WebPage page{title(), options_.datum, config_.resolution, marks(), {}, {}};
   if (!current_clouds_) return page;
-  page.changes = current_clouds_->changes();
+  page.changes = changes();
   page.visits = current_clouds_->visits().visits();
   return page;
 }
@@ -272,7 +282,11 @@ void ProductWriter::write_removed() {
     const PointCloudPtr part = static_clouds_->removed(pose.index);
     if (!part) continue;
     const PointCloud part_in_map = transformed(*part, pose.T_map_base);
-    all.points.insert(all.points.end(), part_in_map.points.begin(), part_in_map.points.end());
+    for (const Point& point : part_in_map.points) {
+      if (!options_.crop || options_.crop->contains(point.position().cast<double>())) {
+        all.points.push_back(point);
+      }
+    }
   }
   products_.removed = all.size();
   const std::filesystem::path file = directory_ / "moving_objects.pcd";

@@ -38,6 +38,8 @@ class ProductWriter {
   void write_web();
   void write_geotiff();
   void write_changes();
+  /// What came and went, in the box of the map if there is one.
+  std::vector<moving_objects::Change> changes();
   void write_geojson();
   void write_las();
 

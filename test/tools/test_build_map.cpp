@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // build_map through the command itself.
+#include <algorithm>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -72,6 +73,30 @@ TEST_F(BuildMap, TakesTheKeyFramesUpToADate) {
       has_said("no key frame is as old as the date of --as-of; the first one is of " + day));
   EXPECT_EQ(run("build_map", {whole(), "-o", none, "--as-of", "yesterday"}), 1);
   EXPECT_TRUE(has_said("'yesterday' is not a date"));
+}
+
+TEST_F(BuildMap, CropsMovingObjectsToo) {
+  const auto removed = [&](const Words& options) {
+    built(joined({"--formats", "pcd", "--save-removed"}, options));
+    return session::read_pcd(folder_.path() / std::to_string(runs_) / "moving_objects.pcd");
+  };
+  const PointCloud all = removed({});
+  std::vector<float> xs;
+  for (const Point& point : all.points) xs.push_back(point.x);
+  ASSERT_GT(xs.size(), 20U);
+  std::nth_element(xs.begin(), xs.begin() + xs.size() / 2, xs.end());
+  const float middle = xs[xs.size() / 2] + 1e-3F;
+  const PointCloud part =
+      removed({"--crop", "-1000", "-1000", "-1000", std::to_string(middle), "1000", "1000"});
+  for (const Point& point : part.points) EXPECT_LT(point.x, middle + 1e-3F);
+  EXPECT_NEAR(static_cast<double>(part.size()), 0.5 * static_cast<double>(all.size()),
+              0.1 * static_cast<double>(all.size()));
+}
+
+TEST_F(BuildMap, CountsNoPointsWhereNoneAreNeeded) {
+  const fs::path target = folder_.path() / "marks";
+  ASSERT_EQ(run("build_map", {whole(), "-o", target, "--formats", "geojson"}), 0);
+  EXPECT_FALSE(has_said("0 points"));
 }
 
 /// What the page and a GIS show of this drive; the other tests of these formats have maps by hand.

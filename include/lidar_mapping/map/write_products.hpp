@@ -65,7 +65,7 @@ struct ProductOptions {
 /// What write_products() has made.
 struct Products {
   Files files;               ///< Files and folders that were written.
-  std::size_t points = 0;    ///< Number of points of the map.
+  std::size_t points = 0;    ///< Points of the map; 0 if no product needed them.
   std::size_t removed = 0;   ///< Points of moving objects; counted only if they are saved.
   std::size_t visits = 1;    ///< Visits (moving_objects::Visits) whose changes were looked for.
   std::size_t outdated = 0;  ///< Points of key frames that were left out as outdated.

@@ -97,9 +97,10 @@ SaveMap::Response MapViewerNode::save(const MapInput& input, const SaveMap::Requ
   SaveMap::Response response;
   for (const auto& file : products.files) response.files.push_back(file.string());
   response.success = true;
-  response.message = std::to_string(products.points) + " points of " +
-                     std::to_string(input.poses.poses.size()) + " key frames, written to " +
-                     order.place().string();
+  // Some products, such as GeoJSON, need no points.
+  if (products.points > 0) response.message = std::to_string(products.points) + " points of ";
+  response.message += std::to_string(input.poses.poses.size()) + " key frames, written to " +
+                      order.place().string();
   if (!order.options.p_base_sensor && !request.keep_moving) {
     response.message +=
         ", including those of moving objects, because no session contains the position of the "

@@ -128,7 +128,9 @@ map::Files write_map(const Session& session, const MapOutput& output, const KeyF
   };
   const map::Products products =
       map::write_products(poses, clouds, config, options, map_folder(session, output));
-  std::printf("%zu points of %zu %s\n", products.points, poses.poses.size(), name.c_str());
+  // Some products, such as GeoJSON, need no points.
+  if (products.points > 0) std::printf("%zu points of ", products.points);
+  std::printf("%zu %s\n", poses.poses.size(), name.c_str());
   if (products.visits > 1) {
     std::printf("%zu visits; %zu points of what was not there any more are left out\n",
                 products.visits, products.outdated);
