@@ -92,7 +92,7 @@ bool in_order_of_numbers(const std::string& a, const std::string& b) {
     rest_b.remove_prefix(1);
   }
   if (rest_a.empty() != rest_b.empty()) return rest_a.empty();
-  return a < b;  // 1 and 01
+  return a < b;  // 01 and 1
 }
 
 std::string quoted(const std::string& text, char mark) {

@@ -75,7 +75,7 @@ TEST(Text, NumbersInNamesAreOrderedByTheirValue) {
   EXPECT_TRUE(in_order_of_numbers("000009.pcd", "000010.pcd"));
   EXPECT_TRUE(in_order_of_numbers("1317617735.25.pcd", "1317617735.5.pcd")) << "decimals";
   EXPECT_TRUE(in_order_of_numbers("drive_9.bag", "drive_10.bag"));
-  EXPECT_TRUE(in_order_of_numbers("1.bin", "01.bin")) << "the same number";
+  EXPECT_TRUE(in_order_of_numbers("01.bin", "1.bin")) << "the same number";
   EXPECT_FALSE(in_order_of_numbers("7.bin", "7.bin"));
 }
 
