@@ -63,8 +63,7 @@ void store_solution(const DriveFactors& factors, const pose_graph::RobustSolutio
   }
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     drive.loops[i].used = is_used(factors.loop_of[i], solution.used);
-    drive.loops[i].evaluated =
-        factors.loop_of[i] >= 0 || drive.loops[i].loop.decision == LoopDecision::kRefuse;
+    drive.loops[i].evaluated = true;  // one without a factor is not to be used
   }
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     drive.gnss[i].horizontal_used = is_used(factors.horizontal_of[i], solution.used);

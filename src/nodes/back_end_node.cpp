@@ -215,7 +215,7 @@ void BackEndNode::add_loop(const LoopMessage& message) {
 /// The run is known only at its first key frame, so that an earlier verdict waits for it.
 void BackEndNode::add_verdict(const LoopVerdictMessage& message) {
   add_or_queue([this, id = message.run_id, verdict = from_message(message)](Run& run) {
-    if (id == run_id_) return run.session().add_verdict(verdict);
+    if (id == run_id_) return run.add_verdict(verdict);
     context_.diagnostics.set("verdicts of other runs", ++foreign_verdicts_);
   });
 }

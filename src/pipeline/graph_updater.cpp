@@ -57,7 +57,7 @@ void GraphUpdater::record(const DriveChunk& chunk) {
   if (chunk.floor) recorded_back_end_.add_floor(*chunk.floor);
   if (chunk.key_frame) recorded_back_end_.add_key_frame(*chunk.key_frame);
   for (const Loop& loop : chunk.loops) recorded_back_end_.add_loop(loop);
-  for (const LoopVerdict& verdict : chunk.verdicts) session.add_verdict(verdict);
+  for (const LoopVerdict& verdict : chunk.verdicts) recorded_back_end_.add_verdict(verdict);
   batch.commit();
 }
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "lidar_mapping/pipeline/session_part.hpp"
+
 namespace lidar_mapping::pipeline {
 
 void LoopSearch::process(DriveChunk& chunk) {
@@ -30,9 +32,21 @@ void LoopSearch::restore(const RecordedBackEnd& back_end) {
   const auto first_open = std::find_if(
       key_frames.begin(), key_frames.end(),
       [end = back_end.searched_key_frames()](const auto& k) { return k.index >= end; });
-  std::for_each(key_frames.begin(), first_open, [&](const auto& k) { closer_.restore(k); });
-  closer_.restore(session.loops(), session.gnss(), back_end.poses());
-  std::for_each(first_open, key_frames.end(), [&](const auto& k) { search_again(back_end, k); });
+  // Each with its key frame: the search keeps only few that come long before theirs.
+  const auto positions = by_stamp(session.gnss());
+  const auto add_position = [&](const KeyFrame& key_frame) {
+    const auto found = positions.find(key_frame.stamp);
+    if (found != positions.end()) closer_.add_gnss(found->second);
+  };
+  std::for_each(key_frames.begin(), first_open, [&](const auto& k) {
+    add_position(k);
+    closer_.restore(k);
+  });
+  closer_.restore(session.loops(), {}, back_end.poses());
+  std::for_each(first_open, key_frames.end(), [&](const auto& k) {
+    add_position(k);
+    search_again(back_end, k);
+  });
 }
 
 /// A match that waited for others that agree with it is in no file. What the session has is not

@@ -26,16 +26,16 @@ session::RevisionRecord record_of(const back_end::OptimizationReport& report,
   return record;
 }
 
-std::string reason_of(const Loop& loop, bool used) {
+std::string reason_of(const Loop& loop, bool used, bool uses_loops) {
   if (loop.decision == LoopDecision::kRefuse) return "a person refused it";
+  if (!uses_loops) return "loops are not used (use_loop_close)";
   if (loop.decision == LoopDecision::kAccept) return "a person accepted it";
   return used ? "the graph agrees with it"
               : "the graph leaves it out: it contradicts the other constraints";
 }
 
-LoopVerdict verdict_on(const Loop& loop, bool used) {
-  return lidar_mapping::verdict_on(loop, used ? Verdict::kAccepted : Verdict::kRefused,
-                                   reason_of(loop, used));
+bool say_the_same(const LoopVerdict& a, const LoopVerdict& b) {
+  return a.verdict == b.verdict && a.reason == b.reason;
 }
 
 /// Whether to store that many poses: each time the drive has grown by a twentieth, so that the
@@ -46,7 +46,7 @@ bool are_due(std::size_t poses, std::size_t stored) { return poses >= stored + 2
 }  // namespace
 
 RecordedBackEnd::RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config)
-    : session_(std::move(session)), back_end_(config) {
+    : session_(std::move(session)), back_end_(config), uses_loops_(config.use_loop_close) {
   if (session_.key_frame_count() > 0) resume();
 }
 
@@ -56,9 +56,12 @@ void RecordedBackEnd::resume() {
   stored_poses_ = session_.key_frame_count();
   const auto revisions = session_.revisions();
   if (!revisions.empty()) first_revision_ = revisions.back().revision;
+  // Not those of the solution above: settings or decisions may have changed since they were stored.
+  const auto stored = newest_verdicts(session_.verdicts());
   for (const auto& [loop, used] : back_end_.loops()) {
-    last_verdicts_.push_back(used ? Verdict::kAccepted : Verdict::kRefused);
     loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
+    const auto verdict = stored.find({loop.from, loop.to});
+    if (verdict != stored.end()) last_verdicts_.insert(*verdict);
   }
 }
 
@@ -91,6 +94,12 @@ void RecordedBackEnd::add_gnss(const GnssPosition& position) {
   back_end_.add_gnss(in_session);
 }
 
+void RecordedBackEnd::add_verdict(const LoopVerdict& verdict) {
+  session_.add_verdict(verdict);
+  const auto last = last_verdicts_.find({verdict.from, verdict.to});
+  if (last != last_verdicts_.end()) last->second = verdict;
+}
+
 void RecordedBackEnd::set_datum(const GeodeticDatum& datum) {
   const auto found = session_.datum();
   if (!found) session_.set_datum(datum);
@@ -120,13 +129,13 @@ AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& sol
     session_.set_revision(record);
     unstored_ = record;
   }
-  const std::vector<LoopVerdict> all = verdicts();
-  last_verdicts_.resize(all.size(), Verdict::kUndecided);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].verdict == last_verdicts_[i]) continue;
-    last_verdicts_[i] = all[i].verdict;
-    session_.add_verdict(all[i]);
-    applied.verdicts.push_back(all[i]);
+  // A corrected loop has two in the graph.
+  for (const auto& [pair, verdict] : newest_verdicts(verdicts())) {
+    LoopVerdict& last = last_verdicts_[pair];
+    if (say_the_same(verdict, last)) continue;
+    last = verdict;
+    session_.add_verdict(verdict);
+    applied.verdicts.push_back(verdict);
   }
   return applied;
 }
@@ -160,7 +169,10 @@ KeyFramePoses RecordedBackEnd::poses() const {
 
 std::vector<LoopVerdict> RecordedBackEnd::verdicts() const {
   std::vector<LoopVerdict> verdicts;
-  for (const auto& [loop, used] : back_end_.loops()) verdicts.push_back(verdict_on(loop, used));
+  for (const auto& [loop, used] : back_end_.loops()) {
+    verdicts.push_back(verdict_on(loop, used ? Verdict::kAccepted : Verdict::kRefused,
+                                  reason_of(loop, used, uses_loops_)));
+  }
   return verdicts;
 }
 

@@ -114,6 +114,22 @@ TEST(Loops, AnOptimisationWithoutNewDataMovesNothing) {
   }
 }
 
+TEST(Loops, AreLeftOutWhereTheyAreNotUsed) {
+  const SyntheticDrive drive = test::make_drive();
+  BackEndConfig config;
+  config.use_loop_close = false;
+  BackEnd back_end(config);
+  feed(back_end, drive);
+  std::mt19937 engine(5);
+  back_end.add_loop(make_loop(drive, 0, 400, engine));
+  EXPECT_FALSE(back_end.loops().front().second);
+  const OptimizationReport report = optimize(back_end, true);
+  EXPECT_EQ(report.loops_used, 0U);
+  EXPECT_EQ(report.loops_refused, 1U);
+  EXPECT_FALSE(back_end.loops().front().second);
+  EXPECT_FALSE(back_end.optimization_due());
+}
+
 // The first loop is optimised at once, the next one after the least interval.
 TEST(Loops, AreOptimisedSoonAndNotTooOften) {
   const SyntheticDrive drive = test::make_drive();

@@ -5,6 +5,7 @@
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
+#include "file_content.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -51,6 +52,16 @@ Loop closing_loop() {
   loop.T_from_to = true_pose(loop.from).inverse() * true_pose(loop.to);
   loop.covariance = diagonal_covariance(0.02, 0.002);
   loop.overlap = 0.9;
+  return loop;
+}
+
+/// Between two sides of the circle, which are not at the same place.
+Loop contradicting_loop() {
+  Loop loop = closing_loop();
+  loop.from = 10;
+  loop.to = 40;
+  loop.stamp = drifting_key_frame(loop.to).stamp;
+  loop.T_from_to = Pose();
   return loop;
 }
 
@@ -201,6 +212,103 @@ TEST(RecordedBackEnd, RecognizesKnownLoopsAlsoAfterRestart) {
   EXPECT_TRUE(back_end.has_loop(corrected));
 }
 
+/// The verdicts of the search on these loops, before any solution.
+constexpr const char* kFound = "the search found it";
+
+/// A session with these loops as a drive leaves it that ends before a solution.
+void store_drive(const TemporaryFolder& folder, const std::vector<Loop>& loops) {
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  for (const Loop& loop : loops) {
+    ASSERT_TRUE(back_end.add_loop(loop));
+    back_end.add_verdict(verdict_on(loop, Verdict::kAccepted, kFound));
+  }
+}
+
+LoopVerdict stored_verdict(const RecordedBackEnd& back_end, const Loop& loop) {
+  return newest_verdicts(back_end.session().verdicts()).at({loop.from, loop.to});
+}
+
+/// Solves the session once more and returns its list of loops.
+std::string list_after_solution(RecordedBackEnd& back_end) {
+  optimize(back_end);
+  back_end.write_files();
+  return test::content_of(back_end.session().directory() / "loops.csv");
+}
+
+TEST(RecordedBackEnd, StoresTheVerdictsOfTheFirstSolutionAfterARestart) {
+  const TemporaryFolder folder;
+  store_drive(folder, {closing_loop(), contradicting_loop()});
+  {
+    RecordedBackEnd back_end(reopened(folder), {});
+    const std::string list = list_after_solution(back_end);
+    EXPECT_EQ(stored_verdict(back_end, closing_loop()).verdict, Verdict::kAccepted);
+    EXPECT_EQ(stored_verdict(back_end, closing_loop()).reason, "the graph agrees with it");
+    EXPECT_EQ(stored_verdict(back_end, contradicting_loop()).verdict, Verdict::kRefused);
+    EXPECT_NE(list.find("refused,\"the graph leaves it out"), std::string::npos) << list;
+  }
+  RecordedBackEnd back_end(reopened(folder), {});
+  EXPECT_TRUE(optimize(back_end).verdicts.empty()) << "an opinion is said once";
+}
+
+TEST(RecordedBackEnd, StoresWhatAPersonDecidedBeforeARestart) {
+  const TemporaryFolder folder;
+  store_drive(folder, {closing_loop()});
+  const Loop loop = closing_loop();
+  const auto solve_with = [&](LoopDecision decision) {
+    reopened(folder).set_loop_decision(loop.from, loop.to, decision);
+    RecordedBackEnd back_end(reopened(folder), {});
+    EXPECT_NE(list_after_solution(back_end).find("a person"), std::string::npos);
+    return stored_verdict(back_end, loop);
+  };
+  const LoopVerdict accepted = solve_with(LoopDecision::kAccept);
+  EXPECT_EQ(accepted.verdict, Verdict::kAccepted);
+  EXPECT_EQ(accepted.reason, "a person accepted it");
+  const LoopVerdict refused = solve_with(LoopDecision::kRefuse);
+  EXPECT_EQ(refused.verdict, Verdict::kRefused);
+  EXPECT_EQ(refused.reason, "a person refused it");
+}
+
+// After a restart key frames are searched again.
+TEST(RecordedBackEnd, TheVerdictOfTheGraphPrevailsOverThatOfALaterSearch) {
+  const TemporaryFolder folder;
+  store_drive(folder, {closing_loop(), contradicting_loop()});
+  RecordedBackEnd back_end(reopened(folder), {});
+  optimize(back_end);
+  back_end.add_verdict(verdict_on(contradicting_loop(), Verdict::kAccepted, kFound));
+  optimize(back_end);
+  EXPECT_EQ(stored_verdict(back_end, contradicting_loop()).verdict, Verdict::kRefused);
+}
+
+// The graph holds both, the session the newer one.
+TEST(RecordedBackEnd, ACorrectedLoopHasOneVerdict) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  Loop wrong = closing_loop();
+  wrong.T_from_to.translation.x() += 20.0;
+  ASSERT_TRUE(back_end.add_loop(wrong));
+  Loop corrected = closing_loop();
+  corrected.source = LoopSource::kManual;
+  corrected.decision = LoopDecision::kAccept;
+  ASSERT_TRUE(back_end.add_loop(corrected));
+  EXPECT_EQ(optimize(back_end).verdicts.size(), 1U);
+  EXPECT_EQ(stored_verdict(back_end, corrected).reason, "a person accepted it");
+  EXPECT_TRUE(optimize(back_end).verdicts.empty());
+}
+
+TEST(RecordedBackEnd, RefusesAllLoopsWhereLoopsAreNotUsed) {
+  const TemporaryFolder folder;
+  store_drive(folder, {closing_loop()});
+  reopened(folder).set_loop_decision(0, kKeyFrames - 1, LoopDecision::kAccept);
+  back_end::BackEndConfig config;
+  config.use_loop_close = false;
+  RecordedBackEnd back_end(reopened(folder), config);
+  optimize(back_end);
+  EXPECT_EQ(stored_verdict(back_end, closing_loop()).verdict, Verdict::kRefused);
+  EXPECT_EQ(stored_verdict(back_end, closing_loop()).reason, "loops are not used (use_loop_close)");
+}
+
 // A finished session that a new drive extends keeps its frame.
 TEST(RecordedBackEnd, TransformsPositionsToDatumOfSession) {
   const TemporaryFolder folder;
@@ -264,7 +372,7 @@ TEST(RecordedBackEnd, SearchesAgainWhereACandidateIsOpen) {
     Loop loop;
     loop.from = from;
     loop.to = to;
-    back_end.session().add_verdict(verdict_on(loop, decision, "for the test"));
+    back_end.add_verdict(verdict_on(loop, decision, "for the test"));
   };
   decide(3, 25, Verdict::kUndecided);
   decide(5, 30, Verdict::kRefused);

@@ -5,6 +5,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/session_merger.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/session/imported_map.hpp"
 
 #include "near.hpp"
@@ -82,6 +83,56 @@ TEST(SessionMerger, MergesTwoDrivesThroughOneTown) {
   EXPECT_TRUE(std::filesystem::equivalent(merged.clouds().file(last + 3), second.clouds().file(2)));
   EXPECT_TRUE(merged.sensor_origin());
   EXPECT_GT(std::filesystem::file_size(folder.path() / "merged/trajectory/optimized.tum"), 100U);
+}
+
+using Pairs = std::multiset<std::pair<KeyFrameIndex, KeyFrameIndex>>;
+
+/// A drive around a block, with the loops that the search finds where it returns to its start.
+Session record_drive_around_a_block(const std::filesystem::path& folder, const ToyWorld& world) {
+  const auto path = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {40, 0}});
+  Session session = record_drive(folder, world, path, path);
+  loop_closing::LoopCloser closer({}, session.clouds());
+  closer.set_sensor_origin(ToyWorld::sensor());
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    for (const Loop& loop : closer.process(key_frame).loops) session.add_loop(loop);
+  }
+  return session;
+}
+
+/// Pairs of key frames of the loops in the graph of a merged session.
+Pairs loops_in_graph(const TemporaryFolder& folder) {
+  Pairs pairs;
+  const auto file = pose_graph::read_g2o((folder.path() / "merged/graph.g2o").string());
+  for (const auto& edge : file.graph.edges) {
+    if (edge.to != edge.from + 1) pairs.emplace(edge.from, edge.to);
+  }
+  return pairs;
+}
+
+// The search finds them again where the drive is merged.
+TEST(SessionMerger, KeepsTheLoopsOfALaterDriveAsTheyAre) {
+  const ToyWorld world = make_town(110.0, 60.0, 4);
+  const auto elsewhere = along({{-60, -60}, {-60, 60}});
+  const TemporaryFolder folder;
+  const Session first = record_drive(folder.path() / "a", world, elsewhere, elsewhere);
+  Session second = record_drive_around_a_block(folder.path() / "b", world);
+  const std::vector<Loop> own = second.loops();
+  ASSERT_GT(own.size(), 1U);
+  second.set_loop_decision(own[0].from, own[0].to, LoopDecision::kRefuse);
+  SessionMerger merger = merger_into(folder);
+  merger.add(first);
+  merger.add(second);
+  merger.finish();
+  const KeyFrameIndex begin = merger.parts()[1].first;
+  const Pairs pairs = loops_in_graph(folder);
+  for (const auto& pair : pairs) EXPECT_EQ(pairs.count(pair), 1U) << "once";
+  EXPECT_EQ(pairs.count({begin + own[0].from, begin + own[0].to}), 0U) << "a person refused it";
+  EXPECT_EQ(pairs.count({begin + own[1].from, begin + own[1].to}), 1U);
+  const Session merged = merged_session(folder);
+  EXPECT_EQ(merged.loops().size(), own.size() + merger.parts()[1].new_loops);
+  EXPECT_EQ(merged.revisions().back().loops_used, pairs.size());
+  EXPECT_EQ(newest_verdicts(merged.verdicts()).at({begin + own[0].from, begin + own[0].to}).reason,
+            "a person refused it");
 }
 
 // Of the walls the second LiDAR sees what is too high for the first one.

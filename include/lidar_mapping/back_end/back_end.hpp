@@ -85,7 +85,7 @@ class BackEnd {
   /// The correction from odometry to the map, T_map_odom at the newest key frame.
   Pose T_map_odom() const;
   /// All loops, each with true if the graph uses it. A loop that no solution has evaluated yet
-  /// counts as used.
+  /// counts as used, unless a person or use_loop_close leaves it out.
   std::vector<std::pair<Loop, bool>> loops() const;
   /// The positions as the graph uses them: the delay of their stamps is included in lever arm and
   /// covariance.

@@ -19,7 +19,8 @@ namespace lidar_mapping::pipeline {
 /// Result of an optimisation.
 struct AppliedSolution {
   KeyFramePoses poses;  ///< T_map_base of all key frames.
-  /// Verdicts on the loops that the graph now accepts or refuses other than before.
+  /// Verdicts on the loops that the graph now accepts or refuses other than the session says, or
+  /// for another reason.
   std::vector<LoopVerdict> verdicts;
 };
 
@@ -56,6 +57,10 @@ class RecordedBackEnd {
   /// Adds a floor plane in base_link. The graph uses those at the stamps of key frames.
   void add_floor(const Floor& floor);
 
+  /// Adds a verdict of loop closing. If the graph has the loop and thinks otherwise, the next
+  /// solution says so again: the newest verdict in the session is that of the graph.
+  void add_verdict(const LoopVerdict& verdict);
+
   /// Sets the datum of all positions that are added afterwards. If the session has another one, it
   /// keeps that, and the positions are transformed to it.
   void set_datum(const GeodeticDatum& datum);
@@ -89,8 +94,7 @@ class RecordedBackEnd {
   /// be lost otherwise.
   KeyFrameIndex searched_key_frames() const;
 
-  /// The session, for data that the graph does not need: verdicts of loop closing, scans, datum and
-  /// configuration.
+  /// The session, for data that the graph does not need: scans, datum and configuration.
   session::Session& session() { return session_; }
   /// The session.
   const session::Session& session() const { return session_; }
@@ -110,7 +114,9 @@ class RecordedBackEnd {
   std::uint32_t first_revision_ = 0;
   std::size_t stored_poses_ = 0;  ///< Number of poses when they were last stored in the session.
   std::optional<session::RevisionRecord> unstored_;  ///< Revision whose poses are not stored yet.
-  std::vector<Verdict> last_verdicts_;               ///< Verdict of the graph on each loop.
+  bool uses_loops_ = true;                           ///< As configured.
+  /// Newest stored verdict on each pair of key frames with a loop in the graph.
+  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> last_verdicts_;
   /// T_from_to of every loop in the graph; the newest one for each pair of key frames.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, Pose> loop_poses_;
 };

@@ -58,6 +58,7 @@ class SessionMerger {
   loop_closing::LoopCloser closer_;
   std::vector<MergedSession> parts_;
   std::set<Stamp> stamps_;
+  /// Key frames with a loop, of the parts or new, which the search does not add again.
   std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> pairs_;
   PartOffsets next_;
 };

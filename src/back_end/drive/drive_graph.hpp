@@ -33,7 +33,7 @@ struct DriveLoop {
   int from = 0;  ///< position in DriveGraph::nodes
   int to = 0;
   bool used = false;
-  bool evaluated = false;  ///< a solution or a person has decided about it
+  bool evaluated = false;  ///< a solution, a person or use_loop_close has decided about it
 };
 
 struct DriveGnss {

@@ -128,7 +128,7 @@ bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
   if (!from || !to || *from == *to) return false;
   if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
   DriveLoop& added = drive.loops.emplace_back(DriveLoop{loop, *from, *to});
-  added.evaluated = loop.decision == LoopDecision::kRefuse;
+  added.evaluated = !config_.use_loop_close || loop.decision == LoopDecision::kRefuse;
   ++new_data_.loops;
   return true;
 }

@@ -20,6 +20,11 @@ PointCloudPtr linked_cloud(const Session& part, KeyFrameIndex own_index, Session
   return merged.clouds().cloud(index);
 }
 
+/// The older key frame and the newer one.
+std::pair<KeyFrameIndex, KeyFrameIndex> pair_of(const Loop& loop) {
+  return std::minmax(loop.from, loop.to);
+}
+
 }  // namespace
 
 SessionMerger::SessionMerger(Session out, const back_end::BackEndConfig& back_end,
@@ -67,6 +72,8 @@ void SessionMerger::add(const Session& session_part, const std::vector<Loop>& ti
   stamps_.merge(stamps_of(session_part, offsets.stamp));
   SessionPart part = read_part(session_part, offsets, gnss);
   add_ties(ties, offsets, part);
+  // Before the search: a loop that it finds again is the part's own, with a person's decision.
+  for (const auto& [newer, loop] : part.loops) pairs_.insert(pair_of(loop));
   merged.first = part.key_frames.empty() ? offsets.index : part.key_frames.front().index;
   merged.key_frames = part.key_frames.size();
   merged.stamp_offset = offsets.stamp;
@@ -95,14 +102,13 @@ void SessionMerger::add_key_frame(const KeyFrame& key_frame, const SessionPart& 
   if (!parts_.empty() && back_end_.optimization_due()) solve(false);
 }
 
-/// They come with the loops of the part; the search does not find their pairs again.
+/// They come with the loops of the part.
 void SessionMerger::add_ties(const std::vector<Loop>& ties, const PartOffsets& offsets,
                              SessionPart& part) {
   for (Loop tie : ties) {
     tie.to += offsets.index;
     tie.stamp += offsets.stamp;
     part.loops.emplace(tie.to, tie);
-    pairs_.emplace(tie.from, tie.to);
   }
 }
 
@@ -111,14 +117,13 @@ void SessionMerger::use_own_loop(const Loop& loop) {
     session().set_loop_decision(loop.from, loop.to, loop.decision);
   }
   if (loop.decision != LoopDecision::kRefuse) closer_.add_loop(loop);
-  pairs_.emplace(loop.from, loop.to);
 }
 
 void SessionMerger::search(const KeyFrame& key_frame, MergedSession& merged) {
   const loop_closing::LoopClosingResult found = closer_.process(key_frame);
-  for (const LoopVerdict& verdict : found.verdicts) session().add_verdict(verdict);
+  for (const LoopVerdict& verdict : found.verdicts) back_end_.add_verdict(verdict);
   for (const Loop& loop : found.loops) {
-    if (!pairs_.emplace(loop.from, loop.to).second) continue;
+    if (!pairs_.insert(pair_of(loop)).second) continue;
     if (back_end_.add_loop(loop)) ++merged.new_loops;
   }
 }
