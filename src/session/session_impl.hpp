@@ -35,6 +35,7 @@ class Session::Impl {
   const std::unique_ptr<WriteLock> lock;
   Database database;
   CloudStore clouds;
+  std::optional<std::uint32_t> newest_drive;  ///< of the odometry; empty until it is needed
 };
 
 }  // namespace lidar_mapping::session

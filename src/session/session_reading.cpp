@@ -70,8 +70,9 @@ std::vector<ScanRecord> Session::scans() const {
                                 " FROM scans ORDER BY stamp");
 }
 
-std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
-  return impl_->all<std::pair<Stamp, Pose>>("SELECT * FROM odometry ORDER BY stamp");
+std::vector<ScanOdometry> Session::odometry() const {
+  return impl_->all<ScanOdometry>("SELECT " + columns_of_odometry(impl_->database) +
+                                  " FROM odometry ORDER BY stamp");
 }
 
 KeyFramePoses Session::poses() const {

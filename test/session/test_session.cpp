@@ -147,7 +147,13 @@ TEST(Session, ReturnsScansOdometryAndProperties) {
   EXPECT_EQ(session.scans()[0].state, "tracking");
   EXPECT_EQ(session.scans()[0].scans_dropped, 3);
   ASSERT_EQ(session.odometry().size(), 1U);
-  expect_equal(session.odometry()[0].second, example_key_frame(1).T_odom_base);
+  EXPECT_EQ(session.odometry()[0].drive, 0U);
+  expect_equal(session.odometry()[0].T_odom_base, example_key_frame(1).T_odom_base);
+  session.add_odometry({11, example_key_frame(2).T_odom_base, 3});
+  session.add_odometry(10, example_key_frame(2).T_odom_base);
+  ASSERT_EQ(session.odometry().size(), 3U);
+  EXPECT_EQ(session.odometry()[1].drive, 3U) << "who goes on adds to the newest drive";
+  EXPECT_EQ(session.odometry()[2].drive, 3U);
   EXPECT_EQ(content_of(folder.path() / "config.yaml"),
             "back_end:\n  use_gnss: true\n  # a sentence\n  use_loop_close: false\n");
 }

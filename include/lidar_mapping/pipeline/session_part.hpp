@@ -13,7 +13,7 @@ namespace lidar_mapping::pipeline {
 /// Offsets of a session in a graph of several, so that indices, segments and stamps are unique.
 struct PartOffsets {
   KeyFrameIndex index = 0;    ///< added to the index of each key frame
-  std::uint32_t segment = 0;  ///< added to the segment of each key frame
+  std::uint32_t segment = 0;  ///< added to the segment of each key frame and the number of a drive
   Stamp stamp = 0;            ///< added to each stamp, ns
 };
 

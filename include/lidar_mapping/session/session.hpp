@@ -39,6 +39,16 @@ struct ScanRecord {
   std::optional<double> probability;
 };
 
+/// The pose of one scan by odometry.
+struct ScanOdometry {
+  Stamp stamp = 0;   ///< stamp of the scan
+  Pose T_odom_base;  ///< pose of base_link
+  /// Number of the drive that the scan is of, if several were merged: the poses of one drive are
+  /// those of one vehicle, while drives may overlap in time. The drives of a session of an older
+  /// version all have the number 0.
+  std::uint32_t drive = 0;
+};
+
 /// The result of one optimisation in figures, as in OptimizationReport.
 struct RevisionRecord : UsageCounts {
   std::uint32_t revision = 0;  ///< number of the optimisation, increasing
@@ -120,6 +130,8 @@ class Session {
   /// Stores the status of a scan, unless there is one with the same stamp.
   void add_scan(const ScanRecord& scan);
   /// Stores the pose of a scan by odometry, unless there is one with the same stamp.
+  void add_odometry(const ScanOdometry& scan);
+  /// The same for a scan of the drive that the session knows last.
   void add_odometry(Stamp stamp, const Pose& T_odom_base);
   /// Stores all poses of a revision and the figures of its optimisation. The poses of the last ten
   /// revisions are kept. Throws InputError if `poses` are not those of the whole map.
@@ -156,7 +168,7 @@ class Session {
   /// The status of all scans by stamp.
   std::vector<ScanRecord> scans() const;
   /// T_odom_base of all scans by stamp.
-  std::vector<std::pair<Stamp, Pose>> odometry() const;
+  std::vector<ScanOdometry> odometry() const;
   /// The poses T_map_base of the newest revision that has stored ones; empty with revision 0 if
   /// there is none.
   KeyFramePoses poses() const;

@@ -19,7 +19,7 @@ std::set<Stamp> stamps_of(const session::Session& session, Stamp offset) {
   std::set<Stamp> stamps;
   for (const KeyFrame& key_frame : session.key_frames()) stamps.insert(key_frame.stamp + offset);
   for (const session::ScanRecord& scan : session.scans()) stamps.insert(scan.stamp + offset);
-  for (const auto& [stamp, pose] : session.odometry()) stamps.insert(stamp + offset);
+  for (const auto& scan : session.odometry()) stamps.insert(scan.stamp + offset);
   return stamps;
 }
 
@@ -60,7 +60,11 @@ void copy_records(const session::Session& from, const PartOffsets& offsets, sess
     scan.stamp += offsets.stamp;
     to.add_scan(scan);
   }
-  for (const auto& [stamp, pose] : from.odometry()) to.add_odometry(stamp + offsets.stamp, pose);
+  for (session::ScanOdometry scan : from.odometry()) {
+    scan.stamp += offsets.stamp;
+    scan.drive += offsets.segment;
+    to.add_odometry(scan);
+  }
   for (const LoopVerdict& verdict : from.verdicts()) {
     to.add_verdict(with_offsets(verdict, offsets));
   }
