@@ -136,7 +136,8 @@ void Session::add_odometry(Stamp stamp, const Pose& T_odom_base) {
   impl_->insert("INSERT OR IGNORE", "odometry", to_cells(scan));
 }
 
-void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record) {
+void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record,
+                        std::optional<bool> in_enu) {
   if (!poses.whole) {
     throw InputError("the session keeps whole sets of poses only; revision " +
                      std::to_string(poses.revision) + " is a part");
@@ -150,6 +151,11 @@ void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record
     impl_->insert("INSERT", "poses", cells);
   }
   impl_->database.run("DELETE FROM poses WHERE revision <= ?", {revision - kKeptRevisions});
+  if (in_enu) {
+    impl_->insert("INSERT OR REPLACE", "properties", {kInEnu, std::int64_t{*in_enu ? 1 : 0}});
+  } else {
+    impl_->database.run("DELETE FROM properties WHERE name = ?", {kInEnu});
+  }
   set_revision(record);
   transaction.commit();
 }

@@ -9,6 +9,9 @@
 
 namespace lidar_mapping::session {
 
+/// Name of the property whether the newest stored poses lie in East-North-Up.
+constexpr const char* kInEnu = "poses_in_enu";
+
 class Session::Impl {
  public:
   Impl(std::filesystem::path directory_path, Database::Mode mode)

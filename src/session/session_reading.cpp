@@ -90,6 +90,12 @@ KeyFramePoses Session::poses() const {
   return poses;
 }
 
+std::optional<bool> Session::poses_in_enu() const {
+  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = ?", {kInEnu});
+  if (!row.step()) return std::nullopt;
+  return row.read_integer() != 0;
+}
+
 std::vector<RevisionRecord> Session::revisions() const {
   return impl_->all<RevisionRecord>("SELECT * FROM revisions ORDER BY revision");
 }

@@ -224,6 +224,7 @@ TEST(LoopFiles, ScansOfTheSixthVersionAreOfOneDrive) {
     ASSERT_EQ(old.odometry().size(), 1U);
     EXPECT_EQ(old.odometry()[0].stamp, 5);
     EXPECT_EQ(old.odometry()[0].drive, 0U);
+    EXPECT_FALSE(old.poses_in_enu());
   }
   Session session = Session::open(folder.path(), Session::Access::kWrite);
   session.add_odometry({6, Pose(), 2});

@@ -25,8 +25,10 @@ struct AppliedSolution {
 
 /// When the poses of a solution are stored in the session. All of them are written at once.
 enum class PoseStorage {
-  kAlways,    ///< with each solution
-  kWhenGrown  ///< when the drive is 20 key frames and a twentieth longer than at the last time
+  kAlways,  ///< with each solution
+  /// when the drive is 20 key frames and a twentieth longer than at the last time, or when the map
+  /// was turned to East-North-Up
+  kWhenGrown
 };
 
 /// A back end that stores every input and result in a session: when an add_ function has returned,
@@ -108,7 +110,7 @@ class RecordedBackEnd {
   back_end::BackEnd back_end_;
   Pose T_session_gnss_;  ///< Transformation of positions from their datum to that of the session.
   std::uint32_t first_revision_ = 0;
-  std::size_t stored_poses_ = 0;  ///< Number of poses when they were last stored in the session.
+  std::size_t stored_poses_ = 0;  ///< Number of poses when the last ones were due.
   std::optional<session::RevisionRecord> unstored_;  ///< Revision whose poses are not stored yet.
   std::vector<Verdict> last_verdicts_;               ///< Verdict of the graph on each loop.
   /// T_from_to of every loop in the graph; the newest one for each pair of key frames.

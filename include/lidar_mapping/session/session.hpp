@@ -133,9 +133,11 @@ class Session {
   void add_odometry(const ScanOdometry& scan);
   /// The same for a scan of the drive that the session knows last.
   void add_odometry(Stamp stamp, const Pose& T_odom_base);
-  /// Stores all poses of a revision and the figures of its optimisation. The poses of the last ten
-  /// revisions are kept. Throws InputError if `poses` are not those of the whole map.
-  void set_poses(const KeyFramePoses& poses, const RevisionRecord& record);
+  /// Stores all poses of a revision and the figures of its optimisation, and whether the poses lie
+  /// in East-North-Up, if that is known. The poses of the last ten revisions are kept. Throws
+  /// InputError if `poses` are not those of the whole map.
+  void set_poses(const KeyFramePoses& poses, const RevisionRecord& record,
+                 std::optional<bool> in_enu = std::nullopt);
   /// Stores the figures of an optimisation whose poses are not stored.
   void set_revision(const RevisionRecord& record);
 
@@ -172,11 +174,15 @@ class Session {
   /// The poses T_map_base of the newest revision that has stored ones; empty with revision 0 if
   /// there is none.
   KeyFramePoses poses() const;
+  /// Whether these poses lie in East-North-Up (see map_datum.hpp); empty if unknown, as in a
+  /// session of an older version.
+  std::optional<bool> poses_in_enu() const;
   /// The figures of all optimisations by revision, also of those whose poses are not stored.
   std::vector<RevisionRecord> revisions() const;
   /// Name of the run; empty if unknown.
   std::string run_id() const;
-  /// Geodetic origin of the map; empty if unknown.
+  /// Geodetic origin of the positions of GNSS; empty if unknown. The poses may lie elsewhere:
+  /// map_datum.hpp has the origin of the map.
   std::optional<GeodeticDatum> datum() const;
   /// Position of the LiDAR in base_link, m; empty if unknown.
   std::optional<Eigen::Vector3d> sensor_origin() const;
