@@ -139,6 +139,7 @@ Pose BackEnd::T_map_odom() const { return impl_->drive().T_map_odom(); }
 std::vector<std::pair<Loop, bool>> BackEnd::loops() const { return loops_of(impl_->drive()); }
 std::vector<GnssPosition> BackEnd::positions() const { return positions_of(impl_->drive()); }
 std::vector<int> BackEnd::parts() const { return parts_of(impl_->drive()); }
+bool BackEnd::in_enu() const { return is_in_enu(impl_->drive()); }
 pose_graph::PoseGraph BackEnd::graph() const { return impl_->graph(); }
 
 }  // namespace lidar_mapping::back_end

@@ -39,12 +39,11 @@ void add_drive(const JoinedDrive& drive, const std::optional<GeodeticDatum>& dat
   batch.commit();
 }
 
-/// The records of a drive that is in the city as a whole; the verdicts of one of which only a part
-/// is would name key frames that are not there.
+/// The records of a drive, or of the part of it that is in the city.
 void add_records(const JoinedDrive& drive, Session& city) {
-  if (drive.left_out > 0) return;
   const Session session = Session::open(drive.session, Session::Access::kRead);
-  copy_records(session, drive.offsets, city);
+  if (drive.left_out == 0) return copy_records(session, drive.offsets, city);
+  copy_records(session, drive.key_frames, drive.offsets, city);
 }
 
 /// The poses of a drive with its own stamps.

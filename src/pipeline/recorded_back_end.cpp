@@ -125,6 +125,10 @@ AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& sol
       record_of(back_end::report_of(solution), applied.poses.revision, seconds);
   if (storage == PoseStorage::kAlways || are_due(applied.poses.poses.size(), stored_poses_)) {
     store_poses(applied.poses, record);
+    stored_poses_ = applied.poses.poses.size();
+  } else if (back_end_.in_enu() != session_.poses_in_enu().value_or(false)) {
+    // Who makes a map meanwhile of the newest poses asks the session in which frame they lie.
+    store_poses(applied.poses, record);
   } else {
     session_.set_revision(record);
     unstored_ = record;
@@ -142,8 +146,7 @@ AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& sol
 
 void RecordedBackEnd::store_poses(const KeyFramePoses& poses,
                                   const session::RevisionRecord& record) {
-  session_.set_poses(poses, record);
-  stored_poses_ = poses.poses.size();
+  session_.set_poses(poses, record, back_end_.in_enu());
   unstored_.reset();
 }
 

@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 #include "report_figures.hpp"
 
@@ -119,6 +120,7 @@ GnssDifferences differences_of(const std::vector<MeasuredPosition>& measured,
 }  // namespace
 
 bool is_in_enu(const session::Session& session) {
+  if (session.poses_in_enu()) return session::map_datum(session).has_value();
   const auto config = pipeline::stored_config<back_end::BackEndConfig>(session);
   return config.use_gnss && session.datum().has_value();
 }

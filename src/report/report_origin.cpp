@@ -32,7 +32,7 @@ std::string coordinates_of(const ReportInput& input) {
   const std::string text = formatted("%.7f°, %.7f°, %.3f m above the ellipsoid (WGS 84)",
                                      datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
   if (is_in_enu(input.session)) return "local East-North-Up, m, with its origin at " + text;
-  return "local, m, not georeferenced (GNSS is not used); its datum is " + text;
+  return "local, m, not georeferenced (GNSS is not used or cannot place it); its datum is " + text;
 }
 
 /// The numbers after "name: [" in the description of a map.

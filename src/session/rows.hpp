@@ -173,8 +173,8 @@ void visit(Row<RevisionRecord>, V& v, Each each) {
 }
 
 template <typename V, typename Each>
-void visit(Row<std::pair<Stamp, Pose>>, V& v, Each each) {
-  each(v.first, v.second);
+void visit(Row<ScanOdometry>, V& v, Each each) {
+  each(v.stamp, v.T_odom_base, v.drive);
 }
 
 /// Rows of loops and verdicts begin with an id, which the database gives them.

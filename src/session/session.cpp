@@ -2,6 +2,7 @@
 #include "lidar_mapping/session/session.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -119,11 +120,24 @@ void Session::add_scan(const ScanRecord& scan) {
   impl_->insert("INSERT OR IGNORE", "scans", to_cells(scan));
 }
 
-void Session::add_odometry(Stamp stamp, const Pose& T_odom_base) {
-  impl_->insert("INSERT OR IGNORE", "odometry", to_cells(std::pair(stamp, T_odom_base)));
+void Session::add_odometry(const ScanOdometry& scan) {
+  impl_->insert("INSERT OR IGNORE", "odometry", to_cells(scan));
+  impl_->newest_drive.reset();
 }
 
-void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record) {
+void Session::add_odometry(Stamp stamp, const Pose& T_odom_base) {
+  if (!impl_->newest_drive) {
+    Statement newest = impl_->database.query("SELECT COALESCE(MAX(drive), 0) FROM odometry");
+    constexpr std::int64_t kLargest = std::numeric_limits<std::uint32_t>::max();
+    impl_->newest_drive =
+        newest.step() ? static_cast<std::uint32_t>(newest.read_integer(0, kLargest)) : 0U;
+  }
+  const ScanOdometry scan{stamp, T_odom_base, *impl_->newest_drive};
+  impl_->insert("INSERT OR IGNORE", "odometry", to_cells(scan));
+}
+
+void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record,
+                        std::optional<bool> in_enu) {
   if (!poses.whole) {
     throw InputError("the session keeps whole sets of poses only; revision " +
                      std::to_string(poses.revision) + " is a part");
@@ -137,6 +151,11 @@ void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record
     impl_->insert("INSERT", "poses", cells);
   }
   impl_->database.run("DELETE FROM poses WHERE revision <= ?", {revision - kKeptRevisions});
+  if (in_enu) {
+    impl_->insert("INSERT OR REPLACE", "properties", {kInEnu, std::int64_t{*in_enu ? 1 : 0}});
+  } else {
+    impl_->database.run("DELETE FROM properties WHERE name = ?", {kInEnu});
+  }
   set_revision(record);
   transaction.commit();
 }

@@ -9,6 +9,9 @@
 
 namespace lidar_mapping::session {
 
+/// Name of the property whether the newest stored poses lie in East-North-Up.
+constexpr const char* kInEnu = "poses_in_enu";
+
 class Session::Impl {
  public:
   Impl(std::filesystem::path directory_path, Database::Mode mode)
@@ -35,6 +38,7 @@ class Session::Impl {
   const std::unique_ptr<WriteLock> lock;
   Database database;
   CloudStore clouds;
+  std::optional<std::uint32_t> newest_drive;  ///< of the odometry; empty until it is needed
 };
 
 }  // namespace lidar_mapping::session

@@ -70,8 +70,9 @@ std::vector<ScanRecord> Session::scans() const {
                                 " FROM scans ORDER BY stamp");
 }
 
-std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
-  return impl_->all<std::pair<Stamp, Pose>>("SELECT * FROM odometry ORDER BY stamp");
+std::vector<ScanOdometry> Session::odometry() const {
+  return impl_->all<ScanOdometry>("SELECT " + columns_of_odometry(impl_->database) +
+                                  " FROM odometry ORDER BY stamp");
 }
 
 KeyFramePoses Session::poses() const {
@@ -87,6 +88,12 @@ KeyFramePoses Session::poses() const {
       {std::int64_t{poses.revision}});
   while (row.step()) poses.poses.push_back(from_row<KeyFramePose>(row));
   return poses;
+}
+
+std::optional<bool> Session::poses_in_enu() const {
+  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = ?", {kInEnu});
+  if (!row.step()) return std::nullopt;
+  return row.read_integer() != 0;
 }
 
 std::vector<RevisionRecord> Session::revisions() const {

@@ -8,7 +8,7 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // chosen: "LMap" in ASCII
-constexpr std::int64_t kVersion = 6;  // of the tables, by definition; grows whenever these change
+constexpr std::int64_t kVersion = 7;  // of the tables, by definition; grows whenever these change
 // Older versions can be read, by the history of the format. They are upgraded when they are opened
 // for writing.
 constexpr std::int64_t kWithoutDecisions = 1;
@@ -16,6 +16,7 @@ constexpr std::int64_t kWithoutUnobserved = 2;
 constexpr std::int64_t kWithoutElevation = 3;
 constexpr std::int64_t kWithoutProbability = 4;
 constexpr std::int64_t kWithoutDoubt = 5;
+constexpr std::int64_t kWithoutDrive = 6;
 
 // Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
 // by row, in the order translation, rotation (axes of the child frame).
@@ -83,6 +84,9 @@ constexpr const char* kProbability = "ALTER TABLE scans ADD COLUMN probability R
 /// From version 5 to 6.
 constexpr const char* kDoubt = "ALTER TABLE key_frames ADD COLUMN doubtful INTEGER DEFAULT 0";
 
+/// From version 6 to 7.
+constexpr const char* kDrive = "ALTER TABLE odometry ADD COLUMN drive INTEGER DEFAULT 0";
+
 /// Upgrades the tables from a version to the newest one.
 void migrate(Database& database, std::int64_t version) {
   if (version <= kWithoutDecisions) database.execute(kDecisions);
@@ -90,6 +94,7 @@ void migrate(Database& database, std::int64_t version) {
   if (version <= kWithoutElevation) database.execute(kElevation);
   if (version <= kWithoutProbability) database.execute(kProbability);
   if (version <= kWithoutDoubt) database.execute(kDoubt);
+  if (version <= kWithoutDrive) database.execute(kDrive);
   database.execute("PRAGMA user_version = " + std::to_string(kVersion));
 }
 
@@ -131,6 +136,10 @@ std::string columns_of_scans(const Database& database) {
 
 std::string columns_of_key_frames(const Database& database) {
   return pragma(database, "user_version") <= kWithoutDoubt ? "*, 0" : "*";
+}
+
+std::string columns_of_odometry(const Database& database) {
+  return pragma(database, "user_version") <= kWithoutDrive ? "*, 0" : "*";
 }
 
 void check_tables(const Database& database, const std::filesystem::path& path) {

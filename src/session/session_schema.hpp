@@ -19,6 +19,8 @@ bool has_loop_decisions(const Database& database);
 std::string columns_of_scans(const Database& database);
 /// The same for the table key_frames.
 std::string columns_of_key_frames(const Database& database);
+/// The same for the table odometry.
+std::string columns_of_odometry(const Database& database);
 
 /// Throws FileError if the database is not a session, or if its version is newer than this package.
 void check_tables(const Database& database, const std::filesystem::path& path);

@@ -70,7 +70,9 @@ void write_trajectories(const Session& session, const KeyFramePoses& poses,
     write("gnss", all.gnss);
   }
   Trajectory scans;
-  for (const auto& [stamp, pose] : session.odometry()) scans.poses.push_back({stamp, pose});
+  for (const ScanOdometry& scan : session.odometry()) {
+    scans.poses.push_back({scan.stamp, scan.T_odom_base});
+  }
   write_text_atomically(directory / "laser_odom_scans.tum", to_tum(scans));
 }
 

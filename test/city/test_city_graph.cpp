@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
 
 #include "city_session.hpp"
 #include "near.hpp"
@@ -149,6 +150,62 @@ TEST_F(CityGraph, ADriveElsewhereIsLeftOutAndNamed) {
   EXPECT_NE(city.drives[1].notices[0].find("neither a loop nor GNSS connects"), std::string::npos);
   write_city(city, {}, path("city"));
   EXPECT_EQ(opened(path("city")).key_frame_count(), square_.size());
+}
+
+// The odometry of b was lost after half of the way, and nothing connects the rest of it.
+TEST_F(CityGraph, KeepsTheDoubtsOfTheConnectedPartOfADrive) {
+  record("a", square_, 1.0, 0.0);
+  record("b", square_, 1.0, 0.0);
+  const fs::path whole = path("b"), cut = path("cut");
+  {
+    const Session from = opened(whole);
+    Session to = Session::create_in(cut);
+    for (KeyFrame key_frame : from.key_frames()) {
+      const bool is_connected = key_frame.index < 60;
+      key_frame.segment = is_connected ? 0 : 1;
+      key_frame.cloud = from.clouds().cloud(key_frame.index);
+      to.add_key_frame(key_frame);
+      session::ScanRecord scan;
+      scan.stamp = key_frame.stamp;
+      const bool is_degraded = key_frame.index % 60 >= 20 && key_frame.index % 60 < 30;
+      scan.state = is_degraded ? "degraded" : "tracking";
+      to.add_scan(scan);
+      to.add_odometry(scan.stamp, key_frame.T_odom_base);
+    }
+    for (const auto& [a, b] : {std::pair(3U, 40U), {50U, 70U}, {70U, 90U}}) {
+      LoopVerdict verdict;
+      verdict.from = a;
+      verdict.to = b;
+      verdict.verdict = Verdict::kRefused;
+      to.add_verdict(verdict);
+    }
+  }
+  PairLoops loops;
+  loops.a = "a";
+  loops.b = "cut";
+  for (KeyFrameIndex i = 0; i < 60; i += 5) {
+    Loop loop;
+    loop.from = loop.to = i;
+    loop.covariance = diagonal_covariance(0.05, 0.002);
+    loops.loops.push_back(loop);
+  }
+  const JoinedCity city = join({"a", "cut"}, {loops});
+  ASSERT_EQ(city.drives[1].key_frames.size(), 60U);
+  write_city(city, {}, path("city"));
+  const auto doubt = pipeline::read_doubt(path("city") / "doubt.csv");
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  EXPECT_EQ(doubt.sections[0].doubt, pipeline::Doubt::kDegraded);
+  EXPECT_EQ(doubt.sections[0].scans, 10U);
+  const Session joined = opened(path("city"));
+  EXPECT_EQ(joined.scans().size(), 60U) << "not those of what was left out";
+  EXPECT_EQ(joined.odometry().size(), 60U);
+  std::size_t of_the_drive = 0;
+  for (const LoopVerdict& verdict : joined.verdicts()) {
+    const KeyFrameIndex first = city.drives[1].offsets.index;
+    of_the_drive += verdict.verdict == Verdict::kRefused && verdict.from >= first ? 1 : 0;
+    EXPECT_LT(verdict.to, first + 60) << "names a key frame that is not there";
+  }
+  EXPECT_EQ(of_the_drive, 1U);
 }
 
 TEST_F(CityGraph, GnssThatContradictsTheOthersIsLeftOutAndNamed) {

@@ -139,7 +139,7 @@ void read_session(const fs::path& folder) {
     require(is_sound(loop.T_from_to) && loop.covariance.allFinite(), "a loop");
   }
   for (const auto& pose : session.poses().poses) require(is_sound(pose.T_map_base), "a pose");
-  for (const auto& [stamp, pose] : session.odometry()) require(is_sound(pose), "odometry");
+  for (const auto& scan : session.odometry()) require(is_sound(scan.T_odom_base), "odometry");
   for (const auto& fix : session.gnss()) {
     require(fix.p_enu_antenna.allFinite() && fix.covariance.allFinite(), "a fix");
   }

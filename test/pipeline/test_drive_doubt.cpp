@@ -36,6 +36,8 @@ struct StraightDrive {
   Stamp delay = 0;                ///< Added to all stamps.
   KeyFrameIndex first_index = 0;  ///< Index of the first key frame.
   std::uint32_t segment = 0;      ///< Segment in which the drive begins.
+  std::uint32_t number = 0;       ///< Of the drive in the session.
+  double aside = 0.0;             ///< Added to y of the odometry, m.
 
   void write(RecordedBackEnd& back_end) const {
     for (KeyFrameIndex scan = 0; scan < kScans; ++scan) {
@@ -45,14 +47,15 @@ struct StraightDrive {
       record.unobserved_stddev = unobserved_stddev(scan);
       record.probability = record.state == "degraded" ? 0.2 : 0.99;
       back_end.session().add_scan(record);
-      back_end.session().add_odometry(record.stamp,
-                                      {Eigen::Quaterniond::Identity(), position_of(scan)});
+      const Pose T_odom_base{Eigen::Quaterniond::Identity(),
+                             position_of(scan) + aside * Eigen::Vector3d::UnitY()};
+      back_end.session().add_odometry({record.stamp, T_odom_base, number});
       if (scan % 2 != 0 || record.state == "lost") continue;
       KeyFrame key_frame;
       key_frame.index = first_index + scan / 2;
       key_frame.segment = segment + (scan < second_segment_begin ? 0U : 1U);
       key_frame.stamp = record.stamp;
-      key_frame.T_odom_base.translation = position_of(scan);
+      key_frame.T_odom_base = T_odom_base;
       key_frame.motion_covariance = diagonal_covariance(0.003, 0.0002);
       if (record.state == "degraded") {
         key_frame.motion_covariance = diagonal_covariance(degraded_sigma, 0.0002);
@@ -218,6 +221,36 @@ TEST(DriveDoubt, KnowsDrivesThatWereMergedInReverse) {
   EXPECT_FALSE(degraded.is_trusted);
   EXPECT_GT(degraded.expected_error, 2.2);
   EXPECT_LT(degraded.expected_error, 4.0);
+}
+
+// Two vehicles at once, whose odometries are 500 m apart.
+TEST(DriveDoubt, KnowsDrivesThatOverlapInTime) {
+  const DriveDoubt alone = doubt_of(degraded_drive());
+  StraightDrive other;
+  other.delay = from_seconds(0.05);
+  other.aside = 500.0;
+  for (const bool degraded_is_first : {true, false}) {
+    std::vector<StraightDrive> drives = {degraded_drive(), other};
+    if (!degraded_is_first) std::swap(drives[0], drives[1]);
+    drives[1].first_index = kScans / 2;
+    drives[1].segment = drives[1].number = 1;
+    const DriveDoubt doubt = doubt_of(drives, {});
+    EXPECT_NEAR(doubt.path_length, 2.0 * alone.path_length, 1e-3);
+    ASSERT_EQ(doubt.sections.size(), 2U);
+    const DoubtfulSection& apart = doubt.sections[0];
+    EXPECT_EQ(apart.doubt, Doubt::kLost);
+    EXPECT_EQ(apart.begin, stamp_of(0) + other.delay);
+    EXPECT_LE(apart.begin, apart.end);
+    EXPECT_FALSE(apart.is_trusted);
+    const DoubtfulSection& degraded = doubt.sections[1];
+    EXPECT_EQ(degraded.doubt, Doubt::kDegraded);
+    EXPECT_EQ(degraded.begin, stamp_of(100));
+    EXPECT_EQ(degraded.end, stamp_of(139));
+    EXPECT_NEAR(degraded.path_length, alone.sections.at(0).path_length, 1e-3);
+    EXPECT_NEAR(degraded.expected_error, alone.sections.at(0).expected_error, 1e-3);
+    EXPECT_FALSE(degraded.is_trusted);
+    EXPECT_TRUE(test::near(degraded.position, alone.sections.at(0).position, 0.01));
+  }
 }
 
 // The way back in the odometry from the end of a drive to the beginning of the next is none.

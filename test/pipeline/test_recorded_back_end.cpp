@@ -4,6 +4,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 #include "file_content.hpp"
 #include "near.hpp"
@@ -348,6 +349,36 @@ TEST(RecordedBackEnd, KeepsPositionsWithoutHeightThroughAChangeOfTheDatum) {
   const GnssPosition stored = back_end.session().gnss().at(0);
   EXPECT_FALSE(has_height(stored.covariance));
   EXPECT_LT(stored.covariance(0, 0) + stored.covariance(1, 1), 2.01);
+}
+
+/// Whether the session tells where on Earth its map lies, after a drive with GNSS at each key
+/// frame.
+bool is_georeferenced(const back_end::BackEndConfig& config, KeyFrameIndex key_frames,
+                      PoseStorage storage = PoseStorage::kAlways) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), config);
+  back_end.set_datum({49.0, 8.4, 110.0});
+  drive(back_end, 0, key_frames);
+  for (KeyFrameIndex index = 0; index < key_frames; ++index) {
+    GnssPosition position;
+    position.stamp = drifting_key_frame(index).stamp;
+    position.p_enu_antenna = true_pose(index).translation + Eigen::Vector3d(100.0, 50.0, 3.0);
+    position.covariance = 0.01 * Eigen::Matrix3d::Identity();
+    back_end.add_gnss(position);
+  }
+  EXPECT_FALSE(session::map_datum(back_end.session()));
+  back_end.apply(*back_end::solve(*back_end.problem(true)), 0.5, storage);
+  EXPECT_TRUE(back_end.session().datum());
+  return session::map_datum(back_end.session()).has_value();
+}
+
+TEST(RecordedBackEnd, MapLiesInEastNorthUpOnlyIfItWasTurnedToIt) {
+  EXPECT_TRUE(is_georeferenced({}, kKeyFrames));
+  EXPECT_TRUE(is_georeferenced({}, 15, PoseStorage::kWhenGrown)) << "these poses are not due yet";
+  back_end::BackEndConfig without_gnss;
+  without_gnss.use_gnss = false;
+  EXPECT_FALSE(is_georeferenced(without_gnss, kKeyFrames));
+  EXPECT_FALSE(is_georeferenced({}, 2)) << "3 m do not tell the heading";
 }
 
 TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {

@@ -61,8 +61,8 @@ TEST(RecordedOdometry, IsThatOfAMappedDriveForAnyNumberOfThreads) {
     const std::vector<OdometryScan> scans = odometry_of(threads);
     ASSERT_EQ(scans.size(), mapped.size());
     for (std::size_t i = 0; i < scans.size(); ++i) {
-      EXPECT_EQ(scans[i].scan.stamp, mapped[i].first);
-      EXPECT_EQ(scans[i].result.T_odom_base.translation, mapped[i].second.translation);
+      EXPECT_EQ(scans[i].scan.stamp, mapped[i].stamp);
+      EXPECT_EQ(scans[i].result.T_odom_base.translation, mapped[i].T_odom_base.translation);
     }
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Poses of scans between key frames. What is made of them is tested in test_scan_clouds.cpp.
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -161,6 +162,62 @@ TEST_F(ScanTrack, GivesNoMotionOverAGap) {
   EXPECT_NEAR(scans[1].twist[0], 10.0, 1e-6) << "by the scan after it alone";
   EXPECT_TRUE(scans[1].acceleration.isZero(0.0));
   EXPECT_NEAR(scans[2].twist[0], 10.0, 1e-6);
+}
+
+/// A drive along x that was merged with others, for which it lies beside their place.
+struct MergedDrive {
+  std::uint32_t number;
+  double delay;  ///< s
+  double aside;  ///< m
+
+  void write(session::Session& session, KeyFramePoses& poses) const {
+    for (int i = 0; i <= 8; ++i) {
+      session::ScanRecord scan;
+      scan.stamp = stamp_at(delay + 0.1 * i);
+      scan.state = "tracking";
+      session.add_scan(scan);
+      Pose T_odom_base = pose_at(i, 0.01 * i);
+      T_odom_base.translation.y() = aside;
+      session.add_odometry({scan.stamp, T_odom_base, number});
+      if (i % 3 != 1) continue;
+      KeyFrame key_frame;
+      key_frame.index = static_cast<KeyFrameIndex>(poses.poses.size());
+      key_frame.segment = number;
+      key_frame.stamp = scan.stamp;
+      key_frame.T_odom_base = T_odom_base;
+      key_frame.cloud = std::make_shared<PointCloud>();
+      session.add_key_frame(key_frame);
+      T_odom_base.translation.z() += 0.1 * i;
+      poses.poses.push_back({key_frame.index, key_frame.stamp, T_odom_base});
+    }
+  }
+};
+
+std::vector<ScanPose> scan_poses_of(const std::vector<MergedDrive>& drives) {
+  const test::TemporaryFolder folder;
+  session::Session session = session::Session::create_in(folder.path() / "drive");
+  KeyFramePoses poses;
+  for (const MergedDrive& drive : drives) drive.write(session, poses);
+  return scan_poses(session, poses);
+}
+
+TEST(ScanTrackOfDrives, IsThatOfEachAloneWhereTheyOverlapInTime) {
+  const MergedDrive one{0, 0.0, 0.0};
+  const MergedDrive other{1, 0.05, 500.0};
+  const std::vector<ScanPose> both = scan_poses_of({one, other});
+  std::vector<ScanPose> expected = scan_poses_of({one});
+  const std::vector<ScanPose> of_other = scan_poses_of({other});
+  expected.insert(expected.end(), of_other.begin(), of_other.end());
+  std::sort(expected.begin(), expected.end(),
+            [](const ScanPose& a, const ScanPose& b) { return a.stamp < b.stamp; });
+  ASSERT_EQ(expected.size(), 18U);
+  ASSERT_EQ(both.size(), expected.size());
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    EXPECT_EQ(both[i].stamp, expected[i].stamp);
+    EXPECT_EQ(both[i].T_map_base.translation, expected[i].T_map_base.translation) << i;
+    EXPECT_EQ(both[i].twist, expected[i].twist) << i;
+    EXPECT_EQ(both[i].acceleration, expected[i].acceleration) << i;
+  }
 }
 
 TEST_F(ScanTrack, HasTheElevationShiftOfEachScan) {

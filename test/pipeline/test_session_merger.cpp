@@ -268,6 +268,24 @@ TEST(SessionMerger, KeepsTheDoubtfulSectionsOfALaterDrive) {
   EXPECT_EQ(doubted_scans(folder, Doubt::kDegraded), 10U);
 }
 
+// Both begin at the same time.
+TEST(SessionMerger, TellsScansOfDrivesApartThatOverlapInTime) {
+  const TemporaryFolder folder;
+  const Session first = drive_with_scans(folder.path() / "a", 0, false);
+  const Session second = drive_with_scans(folder.path() / "b", 0, false);
+  {
+    SessionMerger merger = merger_into(folder);
+    merger.add(first);
+    merger.add(second);
+    merger.finish();
+  }
+  const std::vector<session::ScanOdometry> merged = merged_session(folder).odometry();
+  ASSERT_EQ(merged.size(), 80U);
+  for (std::size_t i = 0; i < merged.size(); ++i) EXPECT_EQ(merged[i].drive, i % 2) << i;
+  const DriveDoubt doubt = read_doubt(folder.path() / "merged/doubt.csv");
+  EXPECT_NEAR(doubt.path_length, 2.0 * 39.0, 0.01);
+}
+
 // Without clouds nothing else could join them.
 TEST(SessionMerger, JoinsADriveByTiesThatAreKnown) {
   const TemporaryFolder folder;

@@ -158,8 +158,9 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndUpgraded) {
   const TemporaryFolder folder;
   session_with_loops(folder.path());
   execute(folder.path(),
-          "DROP TABLE loop_decisions; ALTER TABLE key_frames DROP COLUMN doubtful; DROP TABLE "
-          "scans; CREATE TABLE scans (stamp INTEGER PRIMARY "
+          "DROP TABLE loop_decisions; ALTER TABLE key_frames DROP COLUMN doubtful; "
+          "ALTER TABLE odometry DROP COLUMN drive; DROP TABLE scans; CREATE TABLE scans (stamp "
+          "INTEGER PRIMARY "
           "KEY, state TEXT, fitness REAL, overlap REAL, seconds REAL, scans_dropped INTEGER); "
           "INSERT INTO scans VALUES (5, 'lost', 0.0, 0.0, 0.0, 0); PRAGMA user_version = 1");
   {
@@ -187,6 +188,7 @@ TEST(LoopFiles, ScansOfTheThirdVersionHaveNoElevationShift) {
   execute(folder.path(),
           "ALTER TABLE scans DROP COLUMN elevation_shift; "
           "ALTER TABLE key_frames DROP COLUMN doubtful; "
+          "ALTER TABLE odometry DROP COLUMN drive; "
           "ALTER TABLE scans DROP COLUMN probability; PRAGMA user_version = 3");
   const Session old = Session::open(folder.path(), Session::Access::kRead);
   ASSERT_EQ(old.scans().size(), 1U);
@@ -197,7 +199,9 @@ TEST(LoopFiles, ScansOfTheThirdVersionHaveNoElevationShift) {
 TEST(LoopFiles, KeyFramesOfTheFifthVersionAreNotDoubtful) {
   const TemporaryFolder folder;
   Session::create_in(folder.path()).add_key_frame(example_key_frame(2));
-  execute(folder.path(), "ALTER TABLE key_frames DROP COLUMN doubtful; PRAGMA user_version = 5");
+  execute(folder.path(),
+          "ALTER TABLE key_frames DROP COLUMN doubtful; "
+          "ALTER TABLE odometry DROP COLUMN drive; PRAGMA user_version = 5");
   {
     const Session old = Session::open(folder.path(), Session::Access::kRead);
     ASSERT_EQ(old.key_frames().size(), 1U);
@@ -209,6 +213,24 @@ TEST(LoopFiles, KeyFramesOfTheFifthVersionAreNotDoubtful) {
   session.add_key_frame(example_key_frame(4));
   EXPECT_FALSE(session.key_frames()[0].doubtful);
   EXPECT_TRUE(session.key_frames()[1].doubtful);
+}
+
+TEST(LoopFiles, ScansOfTheSixthVersionAreOfOneDrive) {
+  const TemporaryFolder folder;
+  Session::create_in(folder.path()).add_odometry({5, Pose(), 2});
+  execute(folder.path(), "ALTER TABLE odometry DROP COLUMN drive; PRAGMA user_version = 6");
+  {
+    const Session old = Session::open(folder.path(), Session::Access::kRead);
+    ASSERT_EQ(old.odometry().size(), 1U);
+    EXPECT_EQ(old.odometry()[0].stamp, 5);
+    EXPECT_EQ(old.odometry()[0].drive, 0U);
+    EXPECT_FALSE(old.poses_in_enu());
+  }
+  Session session = Session::open(folder.path(), Session::Access::kWrite);
+  session.add_odometry({6, Pose(), 2});
+  ASSERT_EQ(session.odometry().size(), 2U);
+  EXPECT_EQ(session.odometry()[0].drive, 0U);
+  EXPECT_EQ(session.odometry()[1].drive, 2U);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/session/session.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 #include "error_text.hpp"
 #include "example_values.hpp"
@@ -147,7 +147,13 @@ TEST(Session, ReturnsScansOdometryAndProperties) {
   EXPECT_EQ(session.scans()[0].state, "tracking");
   EXPECT_EQ(session.scans()[0].scans_dropped, 3);
   ASSERT_EQ(session.odometry().size(), 1U);
-  expect_equal(session.odometry()[0].second, example_key_frame(1).T_odom_base);
+  EXPECT_EQ(session.odometry()[0].drive, 0U);
+  expect_equal(session.odometry()[0].T_odom_base, example_key_frame(1).T_odom_base);
+  session.add_odometry({11, example_key_frame(2).T_odom_base, 3});
+  session.add_odometry(10, example_key_frame(2).T_odom_base);
+  ASSERT_EQ(session.odometry().size(), 3U);
+  EXPECT_EQ(session.odometry()[1].drive, 3U) << "who goes on adds to the newest drive";
+  EXPECT_EQ(session.odometry()[2].drive, 3U);
   EXPECT_EQ(content_of(folder.path() / "config.yaml"),
             "back_end:\n  use_gnss: true\n  # a sentence\n  use_loop_close: false\n");
 }
@@ -173,6 +179,26 @@ TEST(Session, KeepsTheNewestTenRevisionsOfPoses) {
   EXPECT_EQ(session.poses().poses[1].stamp, 200);
   EXPECT_EQ(session.poses().poses[1].T_map_base.translation.x(), 15.0);
   EXPECT_EQ(session.revisions().size(), 15U);
+}
+
+TEST(Session, KnowsInWhichFrameTheNewestPosesLie) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  session.set_datum({48.0, 11.5, 520.0});
+  KeyFramePoses poses;
+  EXPECT_FALSE(map_datum(session)) << "there is no map yet";
+  for (const std::optional<bool> in_enu : {std::optional(false), std::optional(true), {}}) {
+    ++poses.revision;
+    poses.poses = {{0, 100, Pose()}};
+    RevisionRecord record;
+    record.revision = poses.revision;
+    session.set_poses(poses, record, in_enu);
+    EXPECT_EQ(session.poses_in_enu(), in_enu);
+    EXPECT_EQ(map_datum(session).has_value(), in_enu.value_or(true));
+  }
+  session.set_poses(poses, {}, false);
+  session.set_configuration(kImportedMap, "");
+  EXPECT_TRUE(map_datum(session)) << "needs no position of GNSS";
 }
 
 TEST(Session, RefusesAnIndexTwiceWithoutChange) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // build_map through the command itself.
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -115,6 +118,30 @@ TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
   ASSERT_TRUE(session.datum());
   const auto way = nlohmann::json::parse(test::content_of(target / "trajectory.geojson"));
   EXPECT_EQ(way["features"][0]["geometry"]["coordinates"].size(), session.key_frame_count());
+}
+
+/// Positions were received, and the session has a datum, but the poses do not lie there.
+TEST_F(BuildMap, WritesLocalMetresIfTheGraphDoesNotUseGnss) {
+  const fs::path session = folder_.path() / "without_gnss";
+  fs::copy(whole(), session, fs::copy_options::recursive);
+  ASSERT_EQ(run("optimize_session", {session, "--use-gnss", "false"}), 0);
+  ASSERT_TRUE(opened(session).datum());
+  const fs::path target = folder_.path() / "local";
+  ASSERT_EQ(run("build_map", {session, "-o", target, "--formats", "las,geojson"}), 0);
+  EXPECT_TRUE(fs::exists(target / "trajectory_local_metres.geojson"));
+  EXPECT_FALSE(fs::exists(target / "trajectory.geojson"));
+  const std::string las = test::content_of(target / "map.las");
+  ASSERT_GT(las.size(), 227U);
+  std::uint32_t records = 0;
+  double max_x = 0.0;
+  std::memcpy(&records, las.data() + 100, sizeof records);
+  std::memcpy(&max_x, las.data() + 179, sizeof max_x);
+  EXPECT_EQ(records, 0U) << "a VLR would tell a coordinate system";
+  EXPECT_LT(std::abs(max_x), 1000.0) << "an easting has six digits";
+  // What GNSS and IMU measured lies there.
+  const fs::path truth = session / "trajectory" / "ground_truth.tum";
+  ASSERT_EQ(run("build_map", {session, "-o", target, "--formats", "geojson", "--poses", truth}), 0);
+  EXPECT_TRUE(fs::exists(target / "trajectory.geojson"));
 }
 
 TEST_F(BuildMap, RefusesCellsSmallerThanTheVoxels) {

@@ -94,6 +94,9 @@ class BackEnd {
   /// connected by odometry, by used loops, or by positions in East-North-Up. The relative pose of
   /// two parts is unknown.
   std::vector<int> parts() const;
+  /// Whether most key frames lie in East-North-Up. Where only some of them do, the others are in
+  /// parts() whose relative pose is unknown in any case.
+  bool in_enu() const;
   /// The graph with its newest poses and the used relative poses, for export to a file.
   pose_graph::PoseGraph graph() const;
 

@@ -14,7 +14,7 @@ namespace lidar_mapping::pipeline {
 /// The sections of a drive where its map is doubtful, and how large the error may be there.
 struct DriveDoubt {
   Stamp begin = 0;           ///< Stamp of the first scan of the drive.
-  double path_length = 0.0;  ///< Path length of the whole drive, m.
+  double path_length = 0.0;  ///< Path length of the whole drive, or of all that were merged, m.
   /// In the order in which they begin; positions are in the map frame.
   std::vector<DoubtfulSection> sections;
 

@@ -26,8 +26,10 @@ struct AppliedSolution {
 
 /// When the poses of a solution are stored in the session. All of them are written at once.
 enum class PoseStorage {
-  kAlways,    ///< with each solution
-  kWhenGrown  ///< when the drive is 20 key frames and a twentieth longer than at the last time
+  kAlways,  ///< with each solution
+  /// when the drive is 20 key frames and a twentieth longer than at the last time, or when the map
+  /// was turned to East-North-Up
+  kWhenGrown
 };
 
 /// A back end that stores every input and result in a session: when an add_ function has returned,
@@ -112,7 +114,7 @@ class RecordedBackEnd {
   back_end::BackEnd back_end_;
   Pose T_session_gnss_;  ///< Transformation of positions from their datum to that of the session.
   std::uint32_t first_revision_ = 0;
-  std::size_t stored_poses_ = 0;  ///< Number of poses when they were last stored in the session.
+  std::size_t stored_poses_ = 0;  ///< Number of poses when the last ones were due.
   std::optional<session::RevisionRecord> unstored_;  ///< Revision whose poses are not stored yet.
   bool uses_loops_ = true;                           ///< As configured.
   /// Newest stored verdict on each pair of key frames with a loop in the graph.

@@ -18,10 +18,10 @@ struct ScanPose {
 };
 
 /// All scans whose pose the odometry of the session knows, by stamp. A scan is moved by the
-/// corrections of the key frames before and after it, weighted by the time to them. Scans that are
-/// lost or repeated are left out, and so are those between two segments, whose relative pose is
-/// unknown. `poses` are those of the key frames; twists follow from the odometry of the
-/// neighbouring scans.
+/// corrections of the key frames of its drive before and after it, weighted by the time to them.
+/// Scans that are lost or repeated are left out, and so are those between two segments, whose
+/// relative pose is unknown. `poses` are those of the key frames; twists follow from the odometry
+/// of the neighbouring scans.
 std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFramePoses& poses);
 
 }  // namespace lidar_mapping::pipeline

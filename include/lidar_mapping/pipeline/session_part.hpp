@@ -13,7 +13,7 @@ namespace lidar_mapping::pipeline {
 /// Offsets of a session in a graph of several, so that indices, segments and stamps are unique.
 struct PartOffsets {
   KeyFrameIndex index = 0;    ///< added to the index of each key frame
-  std::uint32_t segment = 0;  ///< added to the segment of each key frame
+  std::uint32_t segment = 0;  ///< added to the segment of each key frame and the number of a drive
   Stamp stamp = 0;            ///< added to each stamp, ns
 };
 
@@ -68,6 +68,10 @@ void copy_settings(const session::Session& from, session::Session& to);
 /// Copies the records that the graph does not need but the report does: states of the scans,
 /// odometry at every scan, verdicts on loops. Throws FileError.
 void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to);
+/// The same of those that belong to some of its key frames, which have indices and stamps with the
+/// offsets: of the scans from the first to the last one of each segment, and of loops between them.
+void copy_records(const session::Session& from, const std::vector<KeyFrame>& key_frames,
+                  const PartOffsets& offsets, session::Session& to);
 
 /// Positions of a session in the East-North-Up frame of `datum`; none if that is empty, or if the
 /// session does not know the datum of its own ones. Throws FileError.

@@ -34,13 +34,15 @@ struct TrackedStep {
   Eigen::Vector3d p_odom_base = Eigen::Vector3d::Zero();
   double unobserved_stddev = 0.0;     ///< FrontEndStatus::unobserved_stddev, m.
   std::optional<double> probability;  ///< Probability that the step is right, if known.
-  /// Whether the scan before is of another drive, from which no path leads here.
+  /// Whether no path leads here from the scan before, as where a drive was gone on with.
   bool begins_drive = false;
+  std::size_t drive = 0;  ///< Number of the drive; no path leads from one drive to another.
 };
 
 /// A section of the drive whose scans are doubtful for the same reason.
 struct DoubtfulSection {
   Doubt doubt = Doubt::kLost;  ///< The common reason.
+  std::size_t drive = 0;       ///< Number of the drive, of which it is a section.
   Stamp begin = 0;             ///< Stamp of the first scan, ns.
   Stamp end = 0;               ///< Stamp of the last scan, ns.
   std::size_t scans = 0;       ///< Number of doubtful scans.
@@ -65,10 +67,10 @@ constexpr double kUnknownProbability = -1.0;
 /// belong to one section, because a person looks at sections and not at each scan.
 class TrackingSummary {
  public:
-  /// Adds the next scan; stamps have to increase.
+  /// Adds the next scan. Drives come one after the other; in each of them stamps have to increase.
   void add(const TrackedStep& step);
 
-  /// All sections so far, in the order in which they begin.
+  /// All sections so far, drive by drive in the order in which they begin.
   const std::vector<DoubtfulSection>& sections() const { return sections_; }
   /// Number of all scans so far.
   std::size_t scans() const { return scans_; }

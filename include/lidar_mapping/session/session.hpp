@@ -39,6 +39,16 @@ struct ScanRecord {
   std::optional<double> probability;
 };
 
+/// The pose of one scan by odometry.
+struct ScanOdometry {
+  Stamp stamp = 0;   ///< stamp of the scan
+  Pose T_odom_base;  ///< pose of base_link
+  /// Number of the drive that the scan is of, if several were merged: the poses of one drive are
+  /// those of one vehicle, while drives may overlap in time. The drives of a session of an older
+  /// version all have the number 0.
+  std::uint32_t drive = 0;
+};
+
 /// The result of one optimisation in figures, as in OptimizationReport.
 struct RevisionRecord : UsageCounts {
   std::uint32_t revision = 0;  ///< number of the optimisation, increasing
@@ -120,10 +130,14 @@ class Session {
   /// Stores the status of a scan, unless there is one with the same stamp.
   void add_scan(const ScanRecord& scan);
   /// Stores the pose of a scan by odometry, unless there is one with the same stamp.
+  void add_odometry(const ScanOdometry& scan);
+  /// The same for a scan of the drive that the session knows last.
   void add_odometry(Stamp stamp, const Pose& T_odom_base);
-  /// Stores all poses of a revision and the figures of its optimisation. The poses of the last ten
-  /// revisions are kept. Throws InputError if `poses` are not those of the whole map.
-  void set_poses(const KeyFramePoses& poses, const RevisionRecord& record);
+  /// Stores all poses of a revision and the figures of its optimisation, and whether the poses lie
+  /// in East-North-Up, if that is known. The poses of the last ten revisions are kept. Throws
+  /// InputError if `poses` are not those of the whole map.
+  void set_poses(const KeyFramePoses& poses, const RevisionRecord& record,
+                 std::optional<bool> in_enu = std::nullopt);
   /// Stores the figures of an optimisation whose poses are not stored.
   void set_revision(const RevisionRecord& record);
 
@@ -156,15 +170,19 @@ class Session {
   /// The status of all scans by stamp.
   std::vector<ScanRecord> scans() const;
   /// T_odom_base of all scans by stamp.
-  std::vector<std::pair<Stamp, Pose>> odometry() const;
+  std::vector<ScanOdometry> odometry() const;
   /// The poses T_map_base of the newest revision that has stored ones; empty with revision 0 if
   /// there is none.
   KeyFramePoses poses() const;
+  /// Whether these poses lie in East-North-Up (see map_datum.hpp); empty if unknown, as in a
+  /// session of an older version.
+  std::optional<bool> poses_in_enu() const;
   /// The figures of all optimisations by revision, also of those whose poses are not stored.
   std::vector<RevisionRecord> revisions() const;
   /// Name of the run; empty if unknown.
   std::string run_id() const;
-  /// Geodetic origin of the map; empty if unknown.
+  /// Geodetic origin of the positions of GNSS; empty if unknown. The poses may lie elsewhere:
+  /// map_datum.hpp has the origin of the map.
   std::optional<GeodeticDatum> datum() const;
   /// Position of the LiDAR in base_link, m; empty if unknown.
   std::optional<Eigen::Vector3d> sensor_origin() const;

@@ -59,6 +59,15 @@ std::vector<int> parts_of(const DriveGraph& drive) {
   return result;
 }
 
+bool is_in_enu(const DriveGraph& drive) {
+  const std::vector<int> connected = connected_segments(drive, false);
+  const std::vector<bool> in_enu = groups_in_enu(drive, connected);
+  const auto aligned =
+      std::count_if(drive.nodes.begin(), drive.nodes.end(),
+                    [&](const DriveNode& node) { return in_enu[connected[node.segment]]; });
+  return 2 * static_cast<std::size_t>(aligned) > drive.nodes.size();
+}
+
 pose_graph::PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config) {
   pose_graph::PoseGraph graph;
   for (const DriveNode& node : drive.nodes) graph.nodes.push_back({node.index, node.T_map_base});

@@ -13,6 +13,7 @@ KeyFramePoses odometry_of(const DriveGraph& drive, std::uint32_t revision);
 std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive);
 std::vector<GnssPosition> positions_of(const DriveGraph& drive);
 std::vector<int> parts_of(const DriveGraph& drive);
+bool is_in_enu(const DriveGraph& drive);
 pose_graph::PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end

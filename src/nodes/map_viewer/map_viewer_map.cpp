@@ -6,6 +6,7 @@
 #include "lidar_mapping/pipeline/session_marks.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 #include "map_viewer/map_order.hpp"
 #include "map_viewer_node.hpp"
@@ -110,7 +111,8 @@ SaveMap::Response MapViewerNode::save(const MapInput& input, const SaveMap::Requ
 }
 
 /// Adds sensor origin, datum and marks from the session. Its datum has priority over that of this
-/// node, because a resumed session keeps the datum of its first drive.
+/// node, because a resumed session keeps the datum of its first drive, and because it knows whether
+/// the map was turned to East-North-Up.
 void MapViewerNode::complete(map::ProductOptions& options, const KeyFramePoses& poses) const {
   options.frame = config_.node.map_frame;
   std::string folder;
@@ -118,7 +120,9 @@ void MapViewerNode::complete(map::ProductOptions& options, const KeyFramePoses& 
   try {
     const auto session = session::Session::open(folder, session::Session::Access::kRead);
     options.p_base_sensor = session.sensor_origin();
-    if (session.datum()) options.datum = session.datum();
+    if (session.datum() || !session.poses_in_enu().value_or(true)) {
+      options.datum = session::map_datum(session);
+    }
     options.marks = [folder, &poses] {
       return pipeline::session_marks(
           session::Session::open(folder, session::Session::Access::kRead), poses);

@@ -11,6 +11,9 @@
 
 #include "lidar_mapping/back_end/relative_covariance.hpp"
 #include "lidar_mapping/common/sorted_values.hpp"
+#include "lidar_mapping/pipeline/session_part.hpp"
+
+#include "sessions/session_drives.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -33,8 +36,9 @@ std::vector<KeyFrame> in_order_of_time(std::vector<KeyFrame> key_frames) {
   return key_frames;
 }
 
-/// Finds where one drive ends and the next begins: a pause behind which a new segment does. The
-/// odometry of the next drive begins anew, and between the two nothing was travelled.
+/// Finds where a drive was interrupted and gone on with: a pause behind which a new segment begins.
+/// The odometry begins anew there, and in between nothing was travelled. It also separates the
+/// drives of merged sessions of an older version, which do not tell them apart.
 class DriveBegins {
  public:
   /// `key_frames` are in the order of in_order_of_time().
@@ -60,21 +64,32 @@ class DriveBegins {
   std::vector<std::pair<Stamp, Stamp>> breaks_;
 };
 
+/// Walks through one drive after the other: between the vehicles of two that overlap in time there
+/// is no path.
 TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,
-                           const std::vector<std::pair<Stamp, Pose>>& odometry,
-                           const DriveBegins& begins) {
-  std::map<Stamp, Eigen::Vector3d> positions;
-  for (const auto& [stamp, T_odom_base] : odometry) positions[stamp] = T_odom_base.translation;
+                           const std::vector<SessionDrive>& drives) {
+  const std::map<Stamp, session::ScanRecord> records = by_stamp(scans);
   TrackingSummary summary;
-  std::optional<Stamp> before;
-  for (const session::ScanRecord& scan : scans) {
-    const auto position = positions.find(scan.stamp);
-    if (position == positions.end()) continue;
-    summary.add({scan.stamp, doubt_of_state(scan.state), position->second, scan.unobserved_stddev,
-                 scan.probability, before && begins.has(*before, scan.stamp)});
-    before = scan.stamp;
+  for (std::size_t drive = 0; drive < drives.size(); ++drive) {
+    const DriveBegins begins(in_order_of_time(drives[drive].key_frames));
+    std::optional<Stamp> before;
+    for (const session::ScanOdometry& scan : drives[drive].odometry) {
+      const auto found = records.find(scan.stamp);
+      if (found == records.end()) continue;
+      const session::ScanRecord& record = found->second;
+      summary.add({scan.stamp, doubt_of_state(record.state), scan.T_odom_base.translation,
+                   record.unobserved_stddev, record.probability,
+                   before && begins.has(*before, scan.stamp), drive});
+      before = scan.stamp;
+    }
   }
   return summary;
+}
+
+std::vector<DoubtfulSection> in_order_of_time(std::vector<DoubtfulSection> sections) {
+  std::stable_sort(sections.begin(), sections.end(),
+                   [](const auto& a, const auto& b) { return a.begin < b.begin; });
+  return sections;
 }
 
 /// Variance of the unobserved travel up to each key frame, m^2. A front end that is started again
@@ -101,14 +116,34 @@ std::vector<double> unobserved_variances(const std::vector<KeyFrame>& key_frames
   return variances;
 }
 
+/// The key frames of one drive.
+struct DriveTrack {
+  std::vector<KeyFrame> key_frames;  ///< See in_order_of_time().
+  std::vector<double> variances;     ///< See unobserved_variances().
+
+  /// Position of the first key frame at or after a stamp; the number of all if there is none.
+  std::size_t first_from(Stamp stamp) const {
+    return static_cast<std::size_t>(first_not_before(key_frames, stamp) - key_frames.begin());
+  }
+  /// Positions of the last key frame before the section and of the first one after it.
+  std::pair<std::size_t, std::size_t> around(const DoubtfulSection& section) const {
+    const std::size_t next = first_from(section.begin);
+    return {next > 0 ? next - 1 : 0, std::min(first_from(section.end), key_frames.size() - 1)};
+  }
+};
+
 /// Assesses sections with the key frames and the graph.
 class SectionAssessment {
  public:
-  SectionAssessment(const session::Session& session, const std::vector<session::ScanRecord>& scans,
+  SectionAssessment(const std::vector<SessionDrive>& drives,
+                    const std::vector<session::ScanRecord>& scans,
                     const back_end::BackEnd& back_end, const KeyFramePoses& poses)
-      : key_frames_(in_order_of_time(session.key_frames())),
-        back_end_(back_end),
-        variances_(unobserved_variances(key_frames_, scans)) {
+      : back_end_(back_end) {
+    for (const SessionDrive& drive : drives) {
+      DriveTrack& track = tracks_.emplace_back();
+      track.key_frames = in_order_of_time(drive.key_frames);
+      track.variances = unobserved_variances(track.key_frames, scans);
+    }
     for (const KeyFramePose& pose : poses.poses) T_map_base_[pose.index] = pose.T_map_base;
     const std::vector<KeyFramePose> nodes = back_end.poses().poses;
     const std::vector<int> parts = back_end.parts();
@@ -129,31 +164,20 @@ class SectionAssessment {
   }
 
  private:
-  /// Position in key_frames_ of the first key frame at or after a stamp; its size if there is none.
-  std::size_t first_key_frame_from(Stamp stamp) const {
-    return static_cast<std::size_t>(first_not_before(key_frames_, stamp) - key_frames_.begin());
-  }
-
   /// Error that the odometry claims between the key frames around a section. Errors of rotation
   /// grow with the path length behind them. Between two segments the odometry claims nothing.
   double claimed_error(const DoubtfulSection& section) const {
+    const DriveTrack& track = tracks_[section.drive];
     Covariance6 covariance = Covariance6::Zero();
-    for (std::size_t i = std::max<std::size_t>(1, first_key_frame_from(section.begin));
-         i < key_frames_.size() && key_frames_[i - 1].stamp <= section.end; ++i) {
-      const KeyFrame& from = key_frames_[i - 1];
-      const KeyFrame& to = key_frames_[i];
+    for (std::size_t i = std::max<std::size_t>(1, track.first_from(section.begin));
+         i < track.key_frames.size() && track.key_frames[i - 1].stamp <= section.end; ++i) {
+      const KeyFrame& from = track.key_frames[i - 1];
+      const KeyFrame& to = track.key_frames[i];
       if (from.segment != to.segment) continue;
       covariance = compose_covariance(covariance, from.T_odom_base.inverse() * to.T_odom_base,
                                       to.motion_covariance);
     }
     return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
-  }
-
-  /// Positions of the last key frame before the section and of the first one after it.
-  std::pair<std::size_t, std::size_t> key_frames_around(const DoubtfulSection& section) const {
-    const std::size_t next = first_key_frame_from(section.begin);
-    return {next > 0 ? next - 1 : 0,
-            std::min(first_key_frame_from(section.end), key_frames_.size() - 1)};
   }
 
   /// The whole graph. It is copied once, and only if a section needs it.
@@ -166,11 +190,12 @@ class SectionAssessment {
   /// graph decides.
   void assess_claim(DoubtfulSection& section) {
     const double allowed = allowed_error(section.path_length);
-    if (section.expected_error <= allowed || key_frames_.empty()) return;
-    const auto [before, last] = key_frames_around(section);
-    const RelativeCovariance all(problem(), key_frames_[before].index,
+    const DriveTrack& track = tracks_[section.drive];
+    if (section.expected_error <= allowed || track.key_frames.empty()) return;
+    const auto [before, last] = track.around(section);
+    const RelativeCovariance all(problem(), track.key_frames[before].index,
                                  RelativeCovariance::Given::kAll);
-    const auto covariance = all.of(key_frames_[last].index);
+    const auto covariance = all.of(track.key_frames[last].index);
     if (!covariance) return;
     section.expected_error = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
     section.is_trusted = section.expected_error <= allowed;
@@ -180,16 +205,17 @@ class SectionAssessment {
   /// speed, and is smaller if the graph constrains the key frames from both sides.
   void assess_unobserved(DoubtfulSection& section) {
     const double allowed = allowed_error(section.path_length);
-    if (section.expected_error <= allowed || key_frames_.empty()) return;
-    const auto [before, last] = key_frames_around(section);
-    const KeyFrameIndex from = key_frames_[before].index;
+    const DriveTrack& track = tracks_[section.drive];
+    if (section.expected_error <= allowed || track.key_frames.empty()) return;
+    const auto [before, last] = track.around(section);
+    const KeyFrameIndex from = track.key_frames[before].index;
     const RelativeCovariance odometry(problem(), from, RelativeCovariance::Given::kOdometry);
     const RelativeCovariance all(problem(), from, RelativeCovariance::Given::kAll);
     const std::size_t step = (last - before) / kCheckedKeyFrames + 1;
     double worst = 0.0;
     for (std::size_t i = last; i > before; i -= std::min(step, i - before)) {
-      const KeyFrame& key_frame = key_frames_[i];
-      const double variance = variances_[i] - variances_[before];
+      const KeyFrame& key_frame = track.key_frames[i];
+      const double variance = track.variances[i] - track.variances[before];
       worst = std::max(worst, remaining_variance(variance, odometry.of(key_frame.index),
                                                  all.of(key_frame.index)));
     }
@@ -208,51 +234,65 @@ class SectionAssessment {
     return 1.0 / (1.0 / variance + information);
   }
 
-  /// Between key frames of unconnected parts of the graph the odometry was lost, or the drive was
-  /// interrupted.
+  /// Between key frames of unconnected parts of the graph the odometry was lost, the drive was
+  /// interrupted, or another one begins.
   void mark_gaps(std::vector<DoubtfulSection>& sections) {
-    for (std::size_t i = 1; i < key_frames_.size(); ++i) {
-      const KeyFrame& before = key_frames_[i - 1];
-      const KeyFrame& after = key_frames_[i];
-      if (parts_[before.index] == parts_[after.index]) continue;
-      DoubtfulSection& gap = gap_section(before.stamp, after.stamp, sections);
-      gap.is_trusted = false;
-      gap.expected_error = std::numeric_limits<double>::infinity();
+    std::optional<GapEnd> before;
+    for (std::size_t drive = 0; drive < tracks_.size(); ++drive) {
+      for (const KeyFrame& key_frame : tracks_[drive].key_frames) {
+        const GapEnd after{drive, key_frame.stamp, parts_[key_frame.index]};
+        if (before && before->part != after.part) {
+          DoubtfulSection& gap = gap_section(*before, after, sections);
+          gap.is_trusted = false;
+          gap.expected_error = std::numeric_limits<double>::infinity();
+        }
+        before = after;
+      }
     }
   }
 
-  static DoubtfulSection& gap_section(Stamp begin, Stamp end,
+  /// A key frame at a gap.
+  struct GapEnd {
+    std::size_t drive;
+    Stamp stamp;
+    int part;  ///< of the graph
+  };
+
+  static DoubtfulSection& gap_section(const GapEnd& before, const GapEnd& after,
                                       std::vector<DoubtfulSection>& sections) {
+    DoubtfulSection gap;
+    gap.drive = before.drive;
+    // A drive that begins while the one before still lasts is apart from its begin on.
+    gap.begin = std::min(before.stamp, after.stamp);
+    gap.end = after.stamp;
     for (DoubtfulSection& section : sections) {
-      if (section.doubt == Doubt::kLost && section.begin <= end && section.end >= begin) {
+      const bool is_beside = section.drive == before.drive || section.drive == after.drive;
+      if (section.doubt == Doubt::kLost && is_beside && section.begin <= gap.end &&
+          section.end >= gap.begin) {
         return section;
       }
     }
-    DoubtfulSection gap;
-    gap.begin = begin;
-    gap.end = end;
     const auto position =
         std::find_if(sections.begin(), sections.end(),
-                     [&](const DoubtfulSection& section) { return section.begin > begin; });
+                     [&](const DoubtfulSection& section) { return section.begin > gap.begin; });
     return *sections.insert(position, gap);
   }
 
   /// Begin of a section in the map: moved as the key frame before it.
   Eigen::Vector3d position_in_map(const DoubtfulSection& section) const {
-    const std::size_t next = first_key_frame_from(section.begin);
-    if (key_frames_.empty()) return section.position;
-    const KeyFrame& key_frame = key_frames_[next > 0 ? next - 1 : 0];
+    const DriveTrack& track = tracks_[section.drive];
+    if (track.key_frames.empty()) return section.position;
+    const KeyFrame& key_frame = track.key_frames[track.around(section).first];
     const auto pose = T_map_base_.find(key_frame.index);
     if (pose == T_map_base_.end()) return section.position;
     if (section.scans == 0) return pose->second.translation;
     return pose->second * (key_frame.T_odom_base.inverse() * section.position);
   }
 
-  std::vector<KeyFrame> key_frames_;    ///< See in_order_of_time().
+  std::vector<DriveTrack> tracks_;      ///< Of each drive.
   std::map<KeyFrameIndex, int> parts_;  ///< Connected part of the graph of each key frame.
   const back_end::BackEnd& back_end_;
   std::shared_ptr<const back_end::OptimizationProblem> problem_;
-  std::vector<double> variances_;  ///< See unobserved_variances().
   std::map<KeyFrameIndex, Pose> T_map_base_;
 };
 
@@ -266,13 +306,13 @@ bool DriveDoubt::is_trusted() const {
 DriveDoubt drive_doubt(const session::Session& session, const back_end::BackEnd& back_end,
                        const KeyFramePoses& poses) {
   const std::vector<session::ScanRecord> scans = session.scans();
-  const TrackingSummary summary =
-      summary_of(scans, session.odometry(), DriveBegins(in_order_of_time(session.key_frames())));
+  const std::vector<SessionDrive> drives = drives_of(session);
+  const TrackingSummary summary = summary_of(scans, drives);
   DriveDoubt doubt;
   if (!scans.empty()) doubt.begin = scans.front().stamp;
   doubt.path_length = summary.path_length();
-  doubt.sections = summary.sections();
-  SectionAssessment(session, scans, back_end, poses).assess(doubt.sections);
+  doubt.sections = in_order_of_time(summary.sections());
+  SectionAssessment(drives, scans, back_end, poses).assess(doubt.sections);
   return doubt;
 }
 

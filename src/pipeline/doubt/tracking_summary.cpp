@@ -51,7 +51,7 @@ void TrackingSummary::advance_to(const TrackedStep& step) {
   ++scans_;
   path_length_before_ = path_length_;
   variance_before_ = variance_;
-  const bool continues = last_ && !step.begins_drive;
+  const bool continues = last_ && !step.begins_drive && step.drive == last_->drive;
   const double before = continues ? last_->unobserved_stddev : 0.0;
   if (continues) path_length_ += (step.p_odom_base - last_->p_odom_base).norm();
   // After a restart the front end begins at 0.
@@ -60,11 +60,14 @@ void TrackingSummary::advance_to(const TrackedStep& step) {
 }
 
 DoubtfulSection& TrackingSummary::section_for(Doubt doubt, const TrackedStep& step) {
-  const auto newest = std::find_if(sections_.rbegin(), sections_.rend(),
-                                   [&](const auto& section) { return section.doubt == doubt; });
+  const auto newest =
+      std::find_if(sections_.rbegin(), sections_.rend(), [&](const DoubtfulSection& section) {
+        return section.doubt == doubt && section.drive == step.drive;
+      });
   if (newest != sections_.rend() && step.stamp - newest->end <= kGap) return *newest;
   DoubtfulSection section;
   section.doubt = doubt;
+  section.drive = step.drive;
   section.begin = step.stamp;
   section.path_begin = path_length_before_;
   section.position = step.p_odom_base;

@@ -6,6 +6,8 @@
 #include <optional>
 #include <set>
 
+#include "sessions/session_drives.hpp"
+
 namespace lidar_mapping::pipeline {
 
 namespace {
@@ -13,7 +15,7 @@ namespace {
 // scans further apart do not determine the motion between them
 constexpr Stamp kMaxGap = from_seconds(0.5);
 
-using StampedPoses = std::vector<std::pair<Stamp, Pose>>;
+using Odometry = std::vector<session::ScanOdometry>;
 
 /// Correction that a key frame gives for the scans around it.
 struct Correction {
@@ -22,19 +24,18 @@ struct Correction {
   Pose T_map_odom;
 };
 
-/// Corrections of all key frames with a pose, by stamp.
+/// Corrections of all key frames of a drive with a pose, by stamp.
 struct Corrections {
   std::vector<Correction> list;
-  /// Whether the first and the last key frame of the session are among them. Otherwise the scans
+  /// Whether the first and the last key frame of the drive are among them. Otherwise the scans
   /// before or behind these are not wanted, or nobody knows where they are.
   bool has_first = false;
   bool has_last = false;
 };
 
-Corrections corrections(const session::Session& session, const KeyFramePoses& poses) {
+Corrections corrections(const std::vector<KeyFrame>& key_frames, const KeyFramePoses& poses) {
   Corrections corrections;
   std::vector<Correction>& result = corrections.list;
-  const std::vector<KeyFrame> key_frames = session.key_frames();
   auto pose = poses.poses.begin();
   for (const KeyFrame& key_frame : key_frames) {
     while (pose != poses.poses.end() && pose->index < key_frame.index) ++pose;
@@ -43,7 +44,8 @@ Corrections corrections(const session::Session& session, const KeyFramePoses& po
     result.push_back(
         {key_frame.stamp, key_frame.segment, pose->T_map_base * key_frame.T_odom_base.inverse()});
   }
-  // Drives may have been merged in another order than that of their times.
+  // Older sessions do not tell drives apart that were merged in another order than that of their
+  // times.
   std::stable_sort(result.begin(), result.end(),
                    [](const Correction& a, const Correction& b) { return a.stamp < b.stamp; });
   if (result.empty()) return corrections;
@@ -80,11 +82,12 @@ std::optional<Pose> corrected_pose(Stamp stamp, const Pose& T_odom_base,
 }
 
 /// Motion from the i-th to another scan per second; none if the other one is too far away in time.
-std::optional<Vector6d> motion_to(const StampedPoses& odometry, std::size_t i, std::size_t other) {
+std::optional<Vector6d> motion_to(const Odometry& odometry, std::size_t i, std::size_t other) {
   if (other >= odometry.size()) return std::nullopt;  // i - 1 of the first scan wraps
-  const Stamp between = odometry[other].first - odometry[i].first;
+  const Stamp between = odometry[other].stamp - odometry[i].stamp;
   if (std::abs(between) > kMaxGap) return std::nullopt;
-  return Vector6d(difference(odometry[i].second, odometry[other].second) / to_seconds(between));
+  const Pose& from = odometry[i].T_odom_base;
+  return Vector6d(difference(from, odometry[other].T_odom_base) / to_seconds(between));
 }
 
 /// Tangent of the path at the beginning of a chord that lasts `seconds`: the chord deviates from it
@@ -95,11 +98,11 @@ Vector6d tangent(const Vector6d& chord, double seconds) {
   return twist;
 }
 
-void add_motion(const StampedPoses& odometry, std::size_t i, ScanPose& scan) {
+void add_motion(const Odometry& odometry, std::size_t i, ScanPose& scan) {
   const auto after = motion_to(odometry, i, i + 1);
   const auto before = motion_to(odometry, i, i - 1);
-  const double to_next = after ? to_seconds(odometry[i + 1].first - scan.stamp) : 0.0;
-  const double to_last = before ? to_seconds(odometry[i - 1].first - scan.stamp) : 0.0;
+  const double to_next = after ? to_seconds(odometry[i + 1].stamp - scan.stamp) : 0.0;
+  const double to_last = before ? to_seconds(odometry[i - 1].stamp - scan.stamp) : 0.0;
   if (after && before) {
     const double whole = to_next - to_last;
     scan.twist = (*after * -to_last + *before * to_next) / whole;
@@ -112,6 +115,14 @@ void add_motion(const StampedPoses& odometry, std::size_t i, ScanPose& scan) {
   }
 }
 
+/// The scans of a drive that were neither lost nor repeated.
+Odometry tracked(Odometry odometry, const std::set<Stamp>& lost) {
+  odometry.erase(std::remove_if(odometry.begin(), odometry.end(),
+                                [&](const auto& scan) { return lost.count(scan.stamp) > 0; }),
+                 odometry.end());
+  return odometry;
+}
+
 }  // namespace
 
 std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFramePoses& poses) {
@@ -121,23 +132,24 @@ std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFrame
     if (scan.state == "lost" || scan.state == "repeated") lost.insert(scan.stamp);
     if (scan.elevation_shift != 0.0) elevation_shifts[scan.stamp] = scan.elevation_shift;
   }
-  StampedPoses odometry = session.odometry();
-  odometry.erase(std::remove_if(odometry.begin(), odometry.end(),
-                                [&](const auto& pose) { return lost.count(pose.first) > 0; }),
-                 odometry.end());
-  const Corrections known = corrections(session, poses);
   std::vector<ScanPose> scans;
-  for (std::size_t i = 0; i < odometry.size(); ++i) {
-    const auto T_map_base = corrected_pose(odometry[i].first, odometry[i].second, known);
-    if (!T_map_base) continue;
-    ScanPose scan;
-    scan.stamp = odometry[i].first;
-    scan.T_map_base = *T_map_base;
-    const auto shift = elevation_shifts.find(scan.stamp);
-    if (shift != elevation_shifts.end()) scan.elevation_shift = shift->second;
-    add_motion(odometry, i, scan);
-    scans.push_back(scan);
+  for (const SessionDrive& drive : drives_of(session)) {
+    const Odometry odometry = tracked(drive.odometry, lost);
+    const Corrections known = corrections(drive.key_frames, poses);
+    for (std::size_t i = 0; i < odometry.size(); ++i) {
+      const auto T_map_base = corrected_pose(odometry[i].stamp, odometry[i].T_odom_base, known);
+      if (!T_map_base) continue;
+      ScanPose scan;
+      scan.stamp = odometry[i].stamp;
+      scan.T_map_base = *T_map_base;
+      const auto shift = elevation_shifts.find(scan.stamp);
+      if (shift != elevation_shifts.end()) scan.elevation_shift = shift->second;
+      add_motion(odometry, i, scan);
+      scans.push_back(scan);
+    }
   }
+  std::stable_sort(scans.begin(), scans.end(),
+                   [](const ScanPose& a, const ScanPose& b) { return a.stamp < b.stamp; });
   return scans;
 }
 

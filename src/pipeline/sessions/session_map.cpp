@@ -4,7 +4,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
-#include "lidar_mapping/session/imported_map.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -60,8 +60,9 @@ std::string SessionMap::size_text() const {
 }
 
 std::optional<GeodeticDatum> SessionMap::datum() const {
+  // Of an older session, which does not know it, positions are a sign.
   const bool is_in_enu = session::is_imported_map(session_) || !session_.gnss().empty();
-  return is_in_enu ? session_.datum() : std::nullopt;
+  return is_in_enu ? session::map_datum(session_) : std::nullopt;
 }
 
 }  // namespace lidar_mapping::pipeline

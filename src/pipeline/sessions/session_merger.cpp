@@ -83,6 +83,8 @@ void SessionMerger::add(const Session& session_part, const std::vector<Loop>& ti
         linked_cloud(session_part, key_frame.index - offsets.index, session(), key_frame.index);
     add_key_frame(key_frame, part, merged);
   }
+  // Also a part without a key frame has a number of its drive of its own.
+  next_.segment = std::max(next_.segment, offsets.segment + 1);
   solve(true);
   parts_.push_back(merged);
 }

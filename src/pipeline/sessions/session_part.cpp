@@ -19,7 +19,7 @@ std::set<Stamp> stamps_of(const session::Session& session, Stamp offset) {
   std::set<Stamp> stamps;
   for (const KeyFrame& key_frame : session.key_frames()) stamps.insert(key_frame.stamp + offset);
   for (const session::ScanRecord& scan : session.scans()) stamps.insert(scan.stamp + offset);
-  for (const auto& [stamp, pose] : session.odometry()) stamps.insert(stamp + offset);
+  for (const auto& scan : session.odometry()) stamps.insert(scan.stamp + offset);
   return stamps;
 }
 
@@ -54,17 +54,64 @@ void copy_settings(const session::Session& from, session::Session& to) {
   if (const auto origin = from.sensor_origin()) to.set_sensor_origin(*origin);
 }
 
-void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to) {
+namespace {
+
+/// Copies the records of scans with a stamp, and of loops between key frames, that are to be kept,
+/// with the offsets.
+template <typename KeepsScan, typename KeepsLoop>
+void copy_records_if(const KeepsScan& keeps_scan, const KeepsLoop& keeps_loop,
+                     const session::Session& from, const PartOffsets& offsets,
+                     session::Session& to) {
   session::Session::Batch batch(to);
   for (session::ScanRecord scan : from.scans()) {
     scan.stamp += offsets.stamp;
-    to.add_scan(scan);
+    if (keeps_scan(scan.stamp)) to.add_scan(scan);
   }
-  for (const auto& [stamp, pose] : from.odometry()) to.add_odometry(stamp + offsets.stamp, pose);
-  for (const LoopVerdict& verdict : from.verdicts()) {
-    to.add_verdict(with_offsets(verdict, offsets));
+  for (session::ScanOdometry scan : from.odometry()) {
+    scan.stamp += offsets.stamp;
+    scan.drive += offsets.segment;
+    if (keeps_scan(scan.stamp)) to.add_odometry(scan);
+  }
+  for (const LoopVerdict& own : from.verdicts()) {
+    const LoopVerdict verdict = with_offsets(own, offsets);
+    if (keeps_loop(verdict.from, verdict.to)) to.add_verdict(verdict);
   }
   batch.commit();
+}
+
+/// Stamps of the first and the last key frame of each segment.
+std::map<std::uint32_t, std::pair<Stamp, Stamp>> spans_of(const std::vector<KeyFrame>& key_frames) {
+  std::map<std::uint32_t, std::pair<Stamp, Stamp>> spans;
+  for (const KeyFrame& key_frame : key_frames) {
+    const Stamp stamp = key_frame.stamp;
+    auto& [first, last] = spans.try_emplace(key_frame.segment, stamp, stamp).first->second;
+    first = std::min(first, stamp);
+    last = std::max(last, stamp);
+  }
+  return spans;
+}
+
+}  // namespace
+
+void copy_records(const session::Session& from, const PartOffsets& offsets, session::Session& to) {
+  copy_records_if([](Stamp /*stamp*/) { return true; },
+                  [](KeyFrameIndex /*from*/, KeyFrameIndex /*to*/) { return true; }, from, offsets,
+                  to);
+}
+
+void copy_records(const session::Session& from, const std::vector<KeyFrame>& key_frames,
+                  const PartOffsets& offsets, session::Session& to) {
+  const auto spans = spans_of(key_frames);
+  std::set<KeyFrameIndex> kept;
+  for (const KeyFrame& key_frame : key_frames) kept.insert(key_frame.index);
+  copy_records_if(
+      [&](Stamp stamp) {
+        return std::any_of(spans.begin(), spans.end(), [&](const auto& segment) {
+          return segment.second.first <= stamp && stamp <= segment.second.second;
+        });
+      },
+      [&](KeyFrameIndex a, KeyFrameIndex b) { return kept.count(a) > 0 && kept.count(b) > 0; },
+      from, offsets, to);
 }
 
 std::vector<GnssPosition> gnss_in_frame_of(const std::optional<GeodeticDatum>& datum,

@@ -11,6 +11,7 @@
 #include "lidar_mapping/map/key_frame_track.hpp"
 #include "lidar_mapping/pipeline/session_marks.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -121,7 +122,8 @@ map::Files write_map(const Session& session, const MapOutput& output, const KeyF
                      CloudSource& clouds, const std::string& name) {
   const MapConfig config = make_config(output, pipeline::stored_configuration<MapConfig>(session));
   map::ProductOptions options = output.products;
-  options.datum = session.datum();
+  // A trajectory that a person gives lies where the positions do, as ground_truth.tum.
+  options.datum = output.poses.empty() ? session::map_datum(session) : session.datum();
   options.p_base_sensor = sensor_origin_of(output, session);
   options.marks = [&] {
     return pipeline::session_marks(session, key_frame_poses(session, output));
