@@ -93,6 +93,64 @@ TEST(FrontEndFaults, ResumesAfterTwoSecondsWithoutSweeps) {
   EXPECT_LT(error(drive, kGap - 1, T_odom_before, kGap + 29, result.T_odom_base), 0.3);
 }
 
+/// Scans of a drive, and from one of them on those of another place, after a gap.
+FrontEndResult with_gap(const simulation::Drive& drive, const simulation::Drive& elsewhere,
+                        double gap, Pose& T_odom_before) {
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult result;
+  for (std::size_t i = kFirst; i < kFirst + 25; ++i) result = front_end.process(drive.base_scan(i));
+  T_odom_before = result.T_odom_base;
+  Stamp stamp = result.stamp + from_seconds(gap);
+  for (std::size_t i = 0; i < 5; ++i, stamp += from_seconds(kPeriod)) {
+    result = front_end.process({stamp, elsewhere.base_scan(i).cloud});
+    EXPECT_TRUE(is_valid_covariance(result.covariance)) << gap << " s, scan " << i;
+  }
+  return result;
+}
+
+// A recording that was paused and resumed at another place: the maps of both places lie side by
+// side, upright, and are not taken for one.
+TEST(FrontEndFaults, BeginsASegmentNearbyWhereARecordingWasResumedElsewhere) {
+  const simulation::Drive drive = drive_of("town");
+  const simulation::Drive elsewhere = drive_of("car_park");
+  for (const double gap : {3.5, 8.0, 60.0, 600.0, 1.7e9}) {
+    Pose T_odom_before;
+    const FrontEndResult result = with_gap(drive, elsewhere, gap, T_odom_before);
+    EXPECT_EQ(result.segment, 1U) << gap;
+    EXPECT_EQ(result.status.state, TrackingState::kTracking) << gap;
+    const Pose step = T_odom_before.inverse() * result.T_odom_base;
+    EXPECT_LT(step.translation.norm(), 100.0) << gap;
+    EXPECT_GT((step.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(2.0 * kRadPerDeg)) << gap;
+  }
+}
+
+// The clock of a LiDAR that finds its master jumps by fifty years. The vehicle stands.
+TEST(FrontEndFaults, ContinuesAtRestWhenTheClockIsSet) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const simulation::Drive drive = make_drive("town", 20.0, seed);
+    FrontEnd front_end{FrontEndConfig{}};
+    FrontEndResult result;
+    for (std::size_t i = 0; i < 15; ++i) {
+      const Stamp jump = i < 10 ? 0 : from_seconds(1.7e9);
+      result = front_end.process({drive.scan_stamp(i) + jump, drive.base_scan(i).cloud});
+    }
+    EXPECT_EQ(result.status.state, TrackingState::kTracking) << seed;
+    EXPECT_EQ(result.segment, 0U) << seed;
+    EXPECT_LT(result.T_odom_base.translation.norm(), 0.05) << seed;
+  }
+}
+
+// The first stamp of a bag may be older than the others by any time.
+TEST(FrontEndFaults, FindsASecondScanAnHourLater) {
+  const simulation::Drive drive = drive_of("town");
+  FrontEnd front_end{FrontEndConfig{}};
+  front_end.process(drive.base_scan(0));
+  const FrontEndResult result =
+      front_end.process({drive.scan_stamp(1) + from_seconds(3600.0), drive.base_scan(1).cloud});
+  EXPECT_NE(result.status.state, TrackingState::kLost);
+  EXPECT_LT(result.T_odom_base.translation.norm(), 0.1);
+}
+
 Vector6d true_twist(const simulation::Drive& drive, std::size_t index) {
   const Pose step = true_motion(drive, index, index + 1);
   Vector6d twist;

@@ -128,6 +128,74 @@ TEST(MotionFilter, TreatsTheRotationAsNotMeasuredAfterARestart) {
   EXPECT_FALSE(filter.is_rotation_measured());
 }
 
+/// A vehicle that brakes from 14 m/s at 1.8 m/s^2 and pitches, after six seconds.
+MotionFilter braking_filter() {
+  const Matrix12d covariance = Vector12d::Constant(1e-5).asDiagonal().toDenseMatrix();
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose::Identity(), 15.0, 1.0);
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.1 * i;
+    Vector6d twist = Vector6d::Zero();
+    twist[0] = 14.0 - 1.8 * t;
+    twist[4] = 0.02;
+    Pose pose;
+    pose.translation.x() = 14.0 * t - 0.9 * t * t;
+    if (i > 0) filter.predict(0.1);
+    filter.correct({pose, twist}, covariance);
+  }
+  return filter;
+}
+
+// A pause of the recording, or a clock that was set: nothing goes on for so long. The pose stays
+// where a new map can begin, and the covariance has an inverse.
+TEST(MotionFilter, ContinuesAMotionForSecondsOnly) {
+  for (const double gap : {60.0, 600.0, 1.7e9}) {
+    MotionFilter filter = braking_filter();
+    const MotionState before = filter.state();
+    filter.predict(gap);
+    const Pose step = before.T_map_sensor.inverse() * filter.state().T_map_sensor;
+    EXPECT_GT(step.translation.x(), 5.0) << gap;
+    EXPECT_LT(step.translation.norm(), 25.0) << gap;
+    EXPECT_LT(rotation_angle(step.rotation), 0.035) << gap;
+    EXPECT_GT(filter.state().twist[0], 0.0) << gap << ": it does not reverse";
+    EXPECT_GT(filter.covariance()(0, 0), 1e4) << gap;
+    const Matrix12d product = filter.covariance() * filter.belief().information;
+    EXPECT_LT((product - Matrix12d::Identity()).norm(), 1e-3) << gap;
+  }
+}
+
+// A velocity that is measured behind a gap does not tell of the whole gap.
+TEST(MotionFilter, MovesByMeasuredVelocitiesForSecondsOnly) {
+  MotionFilter filter = braking_filter();
+  const MotionState before = filter.state();
+  filter.predict(600.0);
+  filter.measure_velocity({20.0, 0.0, 0.0}, 0.1);
+  filter.measure_rate({0.0, 0.1, 0.0}, 0.1);
+  const Pose step = before.T_map_sensor.inverse() * filter.state().T_map_sensor;
+  EXPECT_LT(step.translation.norm(), 60.0);
+  EXPECT_LT(rotation_angle(step.rotation), 0.1);
+  EXPECT_NEAR(filter.state().twist[0], 20.0, 0.2);
+}
+
+TEST(MotionFilter, ContinuesNoMotionOverAGapBetweenMatches) {
+  Vector6d noise = Vector6d::Zero();
+  noise[0] = 0.01;
+  const MotionState at_rest{Pose::Identity(), noise};
+  EXPECT_LT(gap_between({at_rest, 1e9}, at_rest).norm(), 0.11);
+}
+
+TEST(Continued, IsAsMovedForASecond) {
+  Vector6d twist;
+  twist << 12.0, -0.5, 0.3, 0.2, -0.4, 0.5;
+  for (const double seconds : {-1.0, -0.1, 0.0, 0.1, 1.0})
+    EXPECT_EQ(continued(turned(0.7), twist, seconds).matrix(),
+              moved(turned(0.7), twist, seconds).matrix());
+  const Pose of_hour = continued(turned(0.7), twist, 3600.0);
+  EXPECT_TRUE(test::near(of_hour, continued(turned(0.7), twist, 5.0), 1e-9));
+  const Pose before = continued(turned(0.7), twist, -3600.0);
+  EXPECT_TRUE(test::near(before, continued(turned(0.7), twist, -5.0), 1e-9));
+}
+
 TEST(TwistBetween, IsTheInverseOfMoved) {
   Vector6d twist;
   twist << 12.0, -0.5, 0.3, 0.2, -0.4, 1.5;

@@ -67,6 +67,7 @@ TEST(SearchStarts, AreNoMoreThanNeeded) {
   MotionState far;
   far.T_map_sensor.translation.x() = 1000.0;
   EXPECT_LE(starts_around(far, {Pose{}}).size(), 10 * around_one.size());
+  EXPECT_LT(starts_at_speed(Pose{}, 3600.0).size(), 25000U) << "a start takes 3 kB and 10 us";
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "local_map/key_frame_window.hpp"
+#include "matching/search_starts.hpp"
 #include "tracking/sliding_window_tracker.hpp"
 
 namespace lidar_mapping::front_end {
@@ -179,6 +181,33 @@ TEST(SlidingWindowTracker, UsesMeasuredVelocitiesInThePrediction) {
   const TrackedScan tracked = tracker.track({from_seconds(0.5), {}}, prior);
   EXPECT_EQ(tracked.status.state, TrackingState::kLost);
   EXPECT_NEAR(tracked.T_odom_base.translation.x(), 6.0, 1e-9);
+}
+
+// A pause of the recording, or a clock that was set: nobody drives straight on for so long.
+TEST(SlidingWindowTracker, PredictsNoLongWayOverAGap) {
+  MotionPrior prior;
+  prior.linear_velocity = Eigen::Vector3d(12.0, 0.0, 0.0);
+  prior.angular_velocity = Eigen::Vector3d::Zero();
+  SlidingWindowTracker tracker(config_for(registration::Method::kVgicp));
+  tracker.track(scan_at(12.0, 0.0), prior);
+  const TrackedScan tracked = tracker.track({from_seconds(600.0), {}}, prior);
+  EXPECT_NEAR(tracked.T_odom_base.translation.x(), 60.0, 1e-9);
+}
+
+TEST(SlidingWindowTracker, SearchesNoLongerIfTheSecondScanComesLate) {
+  FrontEndConfig config = config_for(registration::Method::kVgicp);
+  config.frame_filter_resolution = 4.0;  // few points: only the number of starts counts
+  const auto searched_for = [&config](double gap) {
+    SlidingWindowTracker tracker(config);
+    tracker.track(scan_at(0.0, 0.0), {});
+    Scan second = scan_at(0.0, 0.1);
+    second.stamp = from_seconds(gap);
+    const auto begin = std::chrono::steady_clock::now();
+    tracker.track(second, {});
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const double usual = searched_for(kLongestSearchedTime);
+  EXPECT_LT(searched_for(20.0 * kLongestSearchedTime), 5.0 * usual);
 }
 
 // Two instances know nothing of each other, and a restart forgets all.

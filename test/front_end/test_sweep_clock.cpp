@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
 #include <cmath>
 #include <functional>
 
@@ -113,6 +114,24 @@ TEST(SweepClock, UsesDriftingStampsUnchanged) {
         },
         sweep);
     EXPECT_EQ(found.jitter, 0.0) << sweep;
+  }
+}
+
+// A log whose scans were stored in bursts. A period as short as the steps within a burst would be
+// one of a million to try.
+TEST(SweepClock, SearchesNoPeriodInBursts) {
+  for (const double duration : {0.0, 6e-6}) {
+    SweepClock clock;
+    const auto begin = std::chrono::steady_clock::now();
+    double stamp = 1000.0;
+    for (int i = 0; i < 100; ++i) {
+      const double part = simulation::Random(static_cast<std::uint64_t>(i), 5).uniform();
+      stamp += i % 5 == 0 ? 0.5 + 0.01 * (part - 0.5) : 1e-5 * (0.5 + part);
+      clock.advance(from_seconds(stamp), 0.0, duration);
+    }
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+    EXPECT_LT(taken.count(), 2.0) << "a quarter of an hour by a search with each scan";
+    EXPECT_LT(clock.jitter(), 1e-5);
   }
 }
 

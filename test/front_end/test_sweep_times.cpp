@@ -107,6 +107,20 @@ TEST(SweepTimes, HaveAMessageUnlessTheyAreAsGiven) {
             std::string::npos);
 }
 
+// A sensor may stand for days before the times of its points can be checked.
+TEST(RecentMedian, ForgetsWhatIsLongAgo) {
+  RecentMedian median;
+  EXPECT_EQ(median.median(), 0.0);
+  for (int i = 0; i < 1000; ++i) median.add(0.1);
+  for (int i = 0; i < 20; ++i) median.add(0.3);
+  EXPECT_EQ(median.median(), 0.1);
+  for (int i = 0; i < 20; ++i) median.add(0.3);
+  EXPECT_EQ(median.median(), 0.3);
+  median.clear();
+  median.add(0.2);
+  EXPECT_EQ(median.median(), 0.2);
+}
+
 TEST(RunningMean, HasTheStandardDeviationOfTheMean) {
   RunningMean mean;
   EXPECT_TRUE(std::isinf(mean.sigma()));

@@ -100,6 +100,25 @@ TEST(VerticalRideDetector, IgnoresScatteringHeights) {
   EXPECT_EQ(taken(walk, 60.0).way, 0.0);
 }
 
+// A recording that is paused in a lift: the ride ends while nothing is recorded.
+TEST(VerticalRideDetector, RidesForNoLongerThanAMinuteOverAGap) {
+  for (const bool interrupted : {false, true}) {
+    VerticalRideDetector ride;
+    FeltForce force;
+    for (int i = 0; i < 135; ++i) {
+      force.mean = {0.0, 0.0, kGravity + lift(kPeriod * i)};
+      ride.add(Pose{}, kPeriod, i > 0 ? std::optional<FeltForce>(force) : std::nullopt);
+    }
+    ASSERT_TRUE(ride.is_riding());
+    const double before = ride.distance();
+    ASSERT_GT(before, 0.5);
+    if (interrupted) ride.interrupt();
+    ride.add(Pose{}, 600.0, std::nullopt);
+    EXPECT_FALSE(ride.is_riding());
+    EXPECT_LT(ride.distance() - before, 60.0 * 2.0) << "900 m at 1.5 m/s";
+  }
+}
+
 TEST(VerticalRideDetector, NeedsAnAccelerometer) {
   VerticalRideDetector ride;
   for (int i = 0; i < 100; ++i) {

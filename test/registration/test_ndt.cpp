@@ -89,15 +89,27 @@ TEST(NdtMatcher, ReportsTheDistanceOfThePointsFromTheirPlanes) {
 
 TEST(NdtMatcher, AllNeighborSearchesAgree) {
   GaussianVoxelMap map = corner_map();
+  const auto pair_quality = [](const NdtMatch& fit) { return fit.quality / fit.overlap; };
   const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 4000, 0.01));
   MotionState start;
   start.T_map_sensor.translation = {0.3, 0.2, -0.1};
+  const NdtMatch direct = NdtMatcher().match(points, map, kWeak, start, NdtOptions{});
   for (const auto search :
        {NeighborSearch::kDirect1, NeighborSearch::kDirect7, NeighborSearch::kKdTree}) {
     NdtOptions options;
     options.neighbor_search = search;
     const NdtMatch match = NdtMatcher().match(points, map, kWeak, start, options);
     EXPECT_TRUE(test::near(match.state.T_map_sensor.translation, Eigen::Vector3d::Zero(), 0.03));
+    for (const NdtMatch& fit : {match, NdtMatcher().evaluate(points, map, match.state, options)}) {
+      EXPECT_LE(fit.quality, 1.0);
+      EXPECT_LE(fit.inlier_fraction, 1.0);
+      EXPECT_LE(fit.overlap, 1.0);
+      EXPECT_NEAR(pair_quality(fit), pair_quality(direct), 0.1);
+    }
+    // A point with seven planes is one measurement.
+    const double information = match.information.trace() / direct.information.trace();
+    EXPECT_GT(information, 0.5);
+    EXPECT_LT(information, 2.0);
   }
 }
 

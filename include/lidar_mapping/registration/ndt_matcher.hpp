@@ -37,7 +37,8 @@ struct MotionBelief {
 
 /// How a match is done.
 struct NdtOptions {
-  /// Voxels whose planes a point is matched with.
+  /// Voxels whose planes a point is matched with. The figures of how well the points fit, and the
+  /// information, are those of one pair per point.
   NeighborSearch neighbor_search = NeighborSearch::kDirect1;
   /// Distance in standard deviations at which a point loses most of its weight (Geman-McClure).
   double kernel = 2.5;
@@ -97,7 +98,7 @@ struct NdtMatch {
   Matrix12d information = Matrix12d::Zero();
   double quality = 0.0;          ///< mean robust weight of all points, 0 to 1
   double inlier_fraction = 0.0;  ///< inliers of the kernel / points
-  double overlap = 0.0;          ///< points with a plane / points
+  double overlap = 0.0;          ///< points with a plane in their own voxel / points
   /// Mean squared distance of the points to their planes, in units of the planes' variances.
   double residual_variance = 0.0;
   double fitness = 0.0;  ///< mean squared distance of the inliers to their planes, m^2

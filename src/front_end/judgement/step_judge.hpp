@@ -28,7 +28,7 @@ class StepJudge {
   /// To be called before matches of another kind, for which other values of the quality are usual.
   void reset_usual_quality() { match_judge_.reset(); }
   /// To be called for each scan, with the time since the previous one.
-  void advance(double seconds) { origin_.advance(seconds); }
+  void advance(double seconds);
   /// Writes the match and all that follows from it into the status. `state` is the state before the
   /// match is adopted, `since_matched` the time since the last match (s).
   StepBelief judge(const StepMatch& match, const TrackerState& state, const SweepSampler& sweep,
@@ -48,6 +48,7 @@ class StepJudge {
   MatchJudge match_judge_;
   DoubtState doubt_;
   StepOrigin origin_;
+  double since_scan_ = 0.0;  ///< s from the previous scan to the present one
 };
 
 }  // namespace lidar_mapping::front_end

@@ -98,7 +98,8 @@ std::vector<MotionState> starts_at_speed(const Pose& first, double seconds) {
   std::vector<MotionState> starts = {{first, Vector6d::Zero()}};
   const double turn = std::min(kTurnRate * seconds, kMaxTurn);
   const double max_turn = kTurnStep * std::floor(turn / kTurnStep + 1e-9);
-  for (double distance = kSpeedStep; distance < kMaxSpeed * seconds; distance += kSpeedStep) {
+  const double farthest = kMaxSpeed * std::min(seconds, kLongestSearchedTime);
+  for (double distance = kSpeedStep; distance < farthest; distance += kSpeedStep) {
     for (int direction = 0; direction < kDirections; ++direction) {
       const Eigen::Rotation2Dd heading(2.0 * kPi / kDirections * direction);
       for (double yaw = -max_turn; yaw <= max_turn + 1e-9; yaw += kTurnStep) {

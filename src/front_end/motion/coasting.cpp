@@ -38,7 +38,7 @@ FrontEndStatus status_of_drive(const FrontEndStatus& before) {
 
 TrackedScan coasted(const TrackedScan& tracked, double seconds) {
   TrackedScan result = tracked;
-  const Pose T_tracked_now = moved(Pose::Identity(), tracked.twist, seconds);
+  const Pose T_tracked_now = continued(Pose::Identity(), tracked.twist, seconds);
   result.T_odom_base = tracked.T_odom_base * T_tracked_now;
   const double half_time_squared = 0.5 * seconds * seconds;
   result.covariance =

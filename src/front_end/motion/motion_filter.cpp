@@ -31,11 +31,32 @@ constexpr double kForecastFraction = 0.3;
 /// half of the range noise of a LiDAR (0.02 m), of which the mean of many points counts.
 constexpr double kAnchorSigma = 0.01;  // m
 
+// How long a motion goes on after it was last observed, s. Chosen: within this time a vehicle comes
+// to a stop or turns off.
+constexpr double kContinuedMotion = 5.0;
+/// How long it goes on tilting, s. Chosen: roads and bodies sway back within a second.
+constexpr double kContinuedTilting = 1.0;
+/// How long an acceleration goes on, s. Chosen: a vehicle that brakes stops, it does not reverse.
+constexpr double kContinuedAcceleration = 1.0;
+/// The covariance of the pose grows for as long, s. Chosen: by then the pose may be anywhere, and
+/// the inverse of a larger covariance would be inexact.
+constexpr double kGrowingCovariance = 600.0;
+
+/// The time, or the limit if it is longer, in the same direction.
+double at_most(double limit, double seconds) { return std::clamp(seconds, -limit, limit); }
+
+/// How long each component of a twist goes on within this time, s.
+Vector6d continued_seconds(double seconds) {
+  Vector6d times = Vector6d::Constant(continued_time(seconds));
+  times.segment<2>(3).setConstant(at_most(kContinuedTilting, seconds));
+  return times;
+}
+
 /// Derivative of the state after `seconds` with respect to the state now.
 Matrix12d transition(const Vector6d& twist, double seconds) {
   Matrix12d F = Matrix12d::Identity();
-  F.topLeftCorner<6, 6>() = adjoint(moved(Pose{}, twist, seconds).inverse());
-  F.topRightCorner<6, 6>() = seconds * Matrix6d::Identity();
+  F.topLeftCorner<6, 6>() = adjoint(continued(Pose{}, twist, seconds).inverse());
+  F.topRightCorner<6, 6>() = continued_seconds(seconds).asDiagonal();
   return F;
 }
 
@@ -52,6 +73,17 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
                                 : (angle - std::sin(angle)) / (angle * angle * angle);
   const Eigen::Matrix3d J = Eigen::Matrix3d::Identity() + a * w + b * w * w;
   return T * Pose{exp_so3(rotation), J * (seconds * twist.head<3>())};
+}
+
+double continued_time(double seconds) { return at_most(kContinuedMotion, seconds); }
+
+Pose continued(const Pose& T, const Vector6d& twist, double seconds) {
+  const double tilting = at_most(kContinuedTilting, seconds);
+  const Pose tilted = moved(T, twist, tilting);
+  if (tilting == seconds) return tilted;
+  Vector6d level = twist;
+  level.segment<2>(3).setZero();
+  return moved(tilted, level, continued_time(seconds) - tilting);
 }
 
 MotionState steadily_accelerated(const MotionState& state, const Vector6d& acceleration,
@@ -86,8 +118,8 @@ Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, 
 
 Vector6d gap_between(const PreviousMatch& previous, const MotionState& current) {
   const double half = 0.5 * previous.seconds_before;
-  return difference(moved(current.T_map_sensor, current.twist, -half),
-                    moved(previous.state.T_map_sensor, previous.state.twist, half));
+  return difference(continued(current.T_map_sensor, current.twist, -half),
+                    continued(previous.state.T_map_sensor, previous.state.twist, half));
 }
 
 MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleration_sigma)
@@ -125,7 +157,7 @@ void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance
 }
 
 void MotionFilter::apply_forecast(double seconds) {
-  state_.twist = forecast_.next(seconds);
+  state_.twist = forecast_.next(at_most(kContinuedAcceleration, seconds));
   const Eigen::Vector2d more = kForecastFraction * forecast_.variance();
   covariance_.diagonal().segment<3>(6).array() += more[0];
   covariance_.diagonal().segment<3>(9).array() += more[1];
@@ -145,22 +177,36 @@ void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>&
   previous_match_.reset();
   const bool forecast = std::exchange(corrected_, false);
   if (forecast) apply_forecast(seconds);
-  forecast_state_ = {moved(state_.T_map_sensor, state_.twist, seconds), state_.twist};
+  forecast_state_ = {continued(state_.T_map_sensor, state_.twist, seconds), state_.twist};
   if (turning) apply_turning(*turning);
   turning_measured_ = turning.has_value();
+  grow_covariance(seconds, turning.has_value());
+  // A rotation is measured only between sweeps that adjoin.
+  state_.T_map_sensor = turning ? moved(state_.T_map_sensor, state_.twist, seconds)
+                                : continued(state_.T_map_sensor, state_.twist, seconds);
+  if (forecast) {
+    state_.twist = forecast_state_.twist =
+        forecast_.at_end_of_next(at_most(kContinuedAcceleration, seconds));
+  }
+  if (turning) state_.twist.tail<3>() = turning->within;
+}
+
+/// After a gap the pose is as uncertain as the gap is long, but the twist tells of the last seconds
+/// only: what is measured of it then moves the pose by no more.
+void MotionFilter::grow_covariance(double seconds, bool turning_measured) {
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
   variance.head<3>().setConstant(linear_.sigma * linear_.sigma);
-  variance.tail<3>().setConstant(turning ? 0.0 : angular_.sigma * angular_.sigma);
-  const double t2 = seconds * seconds;
+  variance.tail<3>().setConstant(turning_measured ? 0.0 : angular_.sigma * angular_.sigma);
+  const double t2 = std::pow(at_most(kGrowingCovariance, seconds), 2);
+  const Vector6d times = continued_seconds(seconds);
+  const Vector6d of_twist = times.cwiseAbs2().cwiseProduct(variance);
+  const Vector6d common = (0.5 * times.cwiseAbs2()).cwiseProduct(times).cwiseProduct(variance);
   covariance_ = F * covariance_ * F.transpose();
   covariance_.topLeftCorner<6, 6>().diagonal() += kPositionFactor * t2 * t2 * variance;
-  covariance_.topRightCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
-  covariance_.bottomLeftCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
-  covariance_.bottomRightCorner<6, 6>().diagonal() += t2 * variance;
-  state_.T_map_sensor = moved(state_.T_map_sensor, state_.twist, seconds);
-  if (forecast) state_.twist = forecast_state_.twist = forecast_.at_end_of_next(seconds);
-  if (turning) state_.twist.tail<3>() = turning->within;
+  covariance_.topRightCorner<6, 6>().diagonal() += common;
+  covariance_.bottomLeftCorner<6, 6>().diagonal() += common;
+  covariance_.bottomRightCorner<6, 6>().diagonal() += of_twist;
 }
 
 MotionFilter MotionFilter::with_high_process_noise() const {

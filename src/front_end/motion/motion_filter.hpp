@@ -14,6 +14,14 @@ namespace lidar_mapping::front_end {
 /// The pose after moving for `seconds` with a constant twist (in its own axes, m/s and rad/s).
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
 
+/// The part of a time without observations for which a motion goes on, s.
+double continued_time(double seconds);
+
+/// The pose `seconds` later, or earlier if they are negative, if nothing was observed since: as
+/// moved(), but the sensor tilts for a second only, and after continued_time() it stands. Stamps
+/// may jump by years.
+Pose continued(const Pose& T, const Vector6d& twist, double seconds);
+
 /// The motion `seconds` after a reference time, which is the middle of a sweep of `duration`
 /// seconds. `state` is the result of a match that takes the twist as constant during the sweep; in
 /// truth it changes by `acceleration` per second.
@@ -23,7 +31,7 @@ MotionState steadily_accelerated(const MotionState& state, const Vector6d& accel
 /// The constant twist that leads from a to b in `seconds`; inverse of moved().
 Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 
-/// Covariance of the pose that moved() gives, for a covariance of the pose and the twist now.
+/// Covariance of the pose that continued() gives, for a covariance of the pose and the twist now.
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
 
 /// The measured rotation of the sensor, rad/s in its own axes.
@@ -59,8 +67,8 @@ class MotionFilter {
   void reset(const Pose& pose, double speed_sigma, double rate_sigma);
   /// Continues from this state. The learned size of accelerations is kept.
   void restart(const MotionState& state, const Matrix12d& covariance);
-  /// Predicts the state `seconds` later, or earlier if they are negative. A measured rotation, if
-  /// there is one, replaces the forecast of the rotation.
+  /// Predicts the state `seconds` later, or earlier if they are negative, see continued(). A
+  /// measured rotation, if there is one, replaces the forecast of the rotation.
   void predict(double seconds, const std::optional<MeasuredTurning>& turning = std::nullopt);
   /// The last prediction, but without measured rotation.
   const MotionState& forecast_state() const { return forecast_state_; }
@@ -101,6 +109,7 @@ class MotionFilter {
 
  private:
   void apply_forecast(double seconds);
+  void grow_covariance(double seconds, bool turning_measured);
   void apply_turning(const MeasuredTurning& turning);
   Vector6d plausible_acceleration(const Vector6d& acceleration,
                                   const Eigen::Matrix3d& observed) const;

@@ -117,6 +117,8 @@ void VerticalRideDetector::update(double vertical, double seconds) {
 }
 
 void VerticalRideDetector::continue_ride(double vertical, double seconds) {
+  // In a gap between the scans the ride goes on unseen, but not for longer than rides last.
+  seconds = std::min(seconds, kMaxRideDuration - ride_duration_);
   ride_duration_ += seconds;
   speed_ += vertical * seconds;
   peak_speed_ = std::max(peak_speed_, std::abs(speed_));

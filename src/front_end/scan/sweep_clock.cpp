@@ -36,6 +36,10 @@ constexpr double kMaxPeriodFactor = 2.1;
 /// If the duration is not known, from this multiple of the median step. Chosen: the median of few
 /// scattered steps is off by a tenth of the period.
 constexpr double kMinMedianFactor = 0.75;
+/// No period is searched if the mean step is longer than this many median steps, as in a log whose
+/// scans were stored in bursts: the number of periods to try grows with the ratio, to millions.
+/// Chosen: every second scan may be missing.
+constexpr double kMaxMeanStep = 2.0;
 /// Variance of the steps divided by that of the stamps: nearly 2 if the stamps scatter about a
 /// regular grid. If the period drifts, the ratio is smaller and falls with time (1 over 16 scans,
 /// 0.2 over 64); so it is with scans that are taken on request. The first limit applies before
@@ -140,9 +144,10 @@ void SweepClock::find_period() {
 }
 
 void SweepClock::search_period(double min_period, double typical_period) {
+  const double length = window_.back().middle - window_.front().middle;
+  if (length > kMaxMeanStep * median_step_ * static_cast<double>(steps_.size())) return;
   // The step is so fine that over the window it changes the phase by a quarter of a turn.
-  const double step =
-      0.25 * typical_period * typical_period / (window_.back().middle - window_.front().middle);
+  const double step = 0.25 * typical_period * typical_period / length;
   double best = 0.0;
   double best_power = kMinBestPhasePower;
   for (double period = min_period; period < kMaxPeriodFactor * typical_period; period += step) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tracking/sliding_window_tracker.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "lidar_mapping/front_end/deskew.hpp"
 
 #include "matching/degeneracy.hpp"
+#include "matching/search_starts.hpp"
 #include "motion/motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
@@ -71,7 +73,7 @@ TrackedScan SlidingWindowTracker::track(const Scan& scan, const MotionPrior& pri
   const double seconds = to_seconds(scan.stamp - stamp_);
   step_origin_.advance(seconds);
   predict_twist(prior);
-  const Pose predicted = moved(T_odom_base_, twist_, seconds);
+  const Pose predicted = continued(T_odom_base_, twist_, seconds);
   const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
   const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
   timer_.start("matching");
@@ -173,7 +175,8 @@ SlidingWindowTracker::Match SlidingWindowTracker::match_scan(const PointCloud& s
 std::vector<Pose> SlidingWindowTracker::other_starts(double seconds) const {
   std::vector<Pose> starts = {T_odom_base_};
   if (speed_known_) return starts;
-  for (double distance = kStartStep; distance < kMaxStartSpeed * seconds; distance += kStartStep) {
+  const double farthest = kMaxStartSpeed * std::min(seconds, kLongestSearchedTime);
+  for (double distance = kStartStep; distance < farthest; distance += kStartStep) {
     starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {distance, 0.0, 0.0}});
   }
   return starts;

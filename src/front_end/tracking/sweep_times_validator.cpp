@@ -48,6 +48,10 @@ constexpr double kUsualDuration = 0.1;
 /// and 5 Hz).
 constexpr double kDoubtfulDuration = 0.15;
 
+/// So many intervals tell the time between scans. Chosen: a sensor may stand for days before it
+/// moves, and half of them may be missing scans.
+constexpr std::size_t kIntervals = 64;
+
 /// How long a sweep may last (s), given the time between scans.
 std::vector<double> durations_for(double interval) {
   if (interval > kMaxDuration) return {kUsualDuration};
@@ -154,6 +158,15 @@ double RunningMean::sigma() const {
   return std::sqrt(squares_ / (count_ - 1) / count_);
 }
 
+void RecentMedian::add(double value) {
+  values_.push_back(value);
+  if (values_.size() > kIntervals) values_.pop_front();
+}
+
+double RecentMedian::median() const {
+  return lidar_mapping::median(std::vector<double>(values_.begin(), values_.end()));
+}
+
 void SweepTimesValidator::restart() {
   candidates_.clear();
   given_.reset();
@@ -180,8 +193,8 @@ bool SweepTimesValidator::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
   const std::optional<Pose> previous = std::exchange(last_pose_, T_odom_base);
   if (!previous) return false;
   if (candidates_.empty()) {
-    intervals_.push_back(seconds);
-    interval_ = median(intervals_);
+    intervals_.add(seconds);
+    interval_ = intervals_.median();
   }
   const Vector6d twist = twist_between(*previous, T_odom_base, seconds);
   return durations_for(interval_).back() *

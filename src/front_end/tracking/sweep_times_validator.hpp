@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,6 +25,17 @@ class RunningMean {
   int count_ = 0;
   double mean_ = 0.0;
   double squares_ = 0.0;  ///< sum of squared differences from the mean
+};
+
+/// Median of the latest numbers.
+class RecentMedian {
+ public:
+  void add(double value);
+  double median() const;
+  void clear() { values_.clear(); }
+
+ private:
+  std::deque<double> values_;
 };
 
 /// Finds out whether the times of the points are right. At the begin of a drive the scans are also
@@ -71,9 +83,9 @@ class SweepTimesValidator {
   FrontEndConfig config_;
   bool viewpoint_at_origin_ = false;
   bool is_finished_ = false;
-  int scans_ = 0;                  ///< that were tracked with the candidates
-  std::vector<double> intervals_;  ///< between the scans before the start, s
-  double interval_ = 0.0;          ///< their median, s
+  int scans_ = 0;           ///< that were tracked with the candidates
+  RecentMedian intervals_;  ///< between the latest scans before the start, s
+  double interval_ = 0.0;   ///< their median, s
   std::optional<Pose> last_pose_;
   Stamp last_stamp_ = 0;
   std::vector<Candidate> candidates_;

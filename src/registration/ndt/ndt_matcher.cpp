@@ -19,7 +19,7 @@ namespace {
 // of points, above the rounding of doubles.
 constexpr double kMinTrace = 1e-12;
 
-/// How well points fit, see NdtSums.
+/// How well points fit with the planes of their own voxels, see NdtSums.
 struct FitSums {
   double weight = 0.0;
   double paired = 0.0;
@@ -42,11 +42,25 @@ struct NormalEquations {
   Vector12d gradient = Vector12d::Zero();
   Matrix6d pose_hessian = Matrix6d::Zero();
   FitSums fit;
+  double weight = 0.0;  ///< sum of the robust weights of all pairs, also with other voxels
 };
 
 void add(const NdtPart& part, NdtPart& sum) {
   sum.hessian += part.hessian;
   sum.gradient += part.gradient;
+}
+
+void scale(double factor, NdtPart& part) {
+  part.hessian *= factor;
+  part.gradient *= factor;
+}
+
+/// The pairs of one point err together: all of them say no more than one. So each pair counts by
+/// its share of a point, that of the weights of the own voxels in those of all pairs. It is 1 if a
+/// point has one pair only.
+double share_of_pair(const NormalEquations& sum, std::size_t planes_per_point) {
+  const double least = 1.0 / static_cast<double>(planes_per_point);
+  return sum.weight > 0.0 ? std::max(least, sum.fit.weight / sum.weight) : 1.0;
 }
 
 /// A point seen s seconds after the reference time moves with the twist as it moves with the pose,
@@ -113,7 +127,7 @@ void write_figures(const FitSums& sum, std::size_t points, NdtMatch& match) {
   const double count = std::max<double>(1.0, static_cast<double>(points));
   match.quality = sum.weight / count;
   match.inlier_fraction = sum.inliers / count;
-  match.overlap = std::min(1.0, sum.paired / count);
+  match.overlap = sum.paired / count;
   match.residual_variance = sum.weight > 0.0 ? sum.squared_residual / sum.weight : 0.0;
   match.fitness = sum.inliers > 0.0 ? sum.squared_distance / sum.inliers : 0.0;
 }
@@ -177,8 +191,13 @@ struct NdtMatcher::Impl {
         const NdtSums sums =
             slice_sums(slice, neighbor, motion, static_cast<float>(kernel_squared));
         add(part_of(sums, R), equations.part);
-        sum.fit.add(sums);
+        sum.weight += sums.weight;
+        if (neighbor == kOwnVoxel) sum.fit.add(sums);
       }
+    }
+    const double share = share_of_pair(sum, neighbors.count());
+    for (NdtSlice& equations : slices) {
+      scale(share, equations.part);
       add_slice(equations, sum);
     }
     return sum;
@@ -238,7 +257,7 @@ NdtMatch NdtMatcher::match(const NdtPoints& points, GaussianVoxelMap& map,
   write_figures(sum.fit, points.size(), match);
   if (options.parts) {
     match.slices = impl_->slices;
-    match.parts = impl_->parts.of(points, impl_->rotated, impl_->neighbors.planes(0),
+    match.parts = impl_->parts.of(points, impl_->rotated, impl_->neighbors.planes(kOwnVoxel),
                                   static_cast<float>(final_kernel), R_map_sensor);
   }
   return match;
@@ -252,10 +271,8 @@ NdtMatch NdtMatcher::evaluate(const NdtPoints& points, GaussianVoxelMap& map,
   const SweepMotion motion = impl_->locate(points, map, state);
   const NdtPoints::Slice all{0, points.padded_size(), 0.0F};
   FitSums sum;
-  for (std::size_t neighbor = 0; neighbor < impl_->neighbors.count(); ++neighbor) {
-    sum.add(impl_->slice_sums(all, neighbor, motion,
-                              static_cast<float>(options.kernel * options.kernel)));
-  }
+  sum.add(impl_->slice_sums(all, kOwnVoxel, motion,
+                            static_cast<float>(options.kernel * options.kernel)));
   write_figures(sum, points.size(), match);
   return match;
 }

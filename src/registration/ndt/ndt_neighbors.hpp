@@ -11,6 +11,9 @@
 
 namespace lidar_mapping::registration {
 
+/// The neighbour that is the voxel of the point itself. By definition the first one.
+constexpr std::size_t kOwnVoxel = 0;
+
 /// Weighted planes, one per point, as the kernels read them.
 struct PlaneArrays {
   std::vector<float> x, y, z, offset;
