@@ -62,6 +62,26 @@ class Launch(unittest.TestCase):
                           if node.type == 'static_transform_publisher']
             self.assertIn(['car', target], transforms)
 
+    def back_end(self, *arguments):
+        """The private parameters that are set beside the files."""
+        parameters = self.load('mapping.launch', *arguments).params
+        return {name: parameters[f'/back_end_node/{name}'].value if f'/back_end_node/{name}' in parameters else None
+                for name in ('resume', 'session_directory')}
+
+    def test_paths_begin_in_the_folder_of_the_user(self):
+        given = self.back_end('resume:=town', 'session_directory:=drives/may')
+        self.assertEqual(given, {'resume': str(self.folder / 'town'),
+                                 'session_directory': str(self.folder / 'drives/may')})
+
+    def test_paths_that_are_whole_or_words_stay(self):
+        configured = self.back_end()
+        for path in ('/data/town', '~/town'):
+            self.assertEqual(self.back_end(f'resume:={path}', f'session_directory:={path}'),
+                             {'resume': path, 'session_directory': path})
+        self.assertEqual(self.back_end('resume:=latest')['resume'], 'latest')
+        self.assertEqual(self.back_end('resume:=none', 'session_directory:=as_configured'), configured)
+        self.assertEqual(self.back_end('resume:=', 'session_directory:='), configured)
+
 
 if __name__ == '__main__':
     unittest.main()
