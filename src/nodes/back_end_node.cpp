@@ -16,6 +16,7 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "scan_record.hpp"
+#include "session_frame.hpp"
 #include "worker_tasks.hpp"
 
 // Received messages, the run that they belong to, and its session.
@@ -93,7 +94,7 @@ void BackEndNode::continue_session(session::Session session) {
 }
 
 BackEndNode::~BackEndNode() {
-  context_.node.deleteParam(kRunSession);
+  for (const char* name : {kRunSession, kSessionDatum}) context_.node.deleteParam(name);
   solver_.drop_requests();
   service_spinner_.stop();
   solver_.stop();
@@ -129,7 +130,9 @@ void BackEndNode::subscribe_all() {
   subscribers_.push_back(subscribe<sensor_msgs::NavSatFix>(
       context_, "gnss_datum", config_.node.queue_size, [this](const auto& m) {
         datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
-        if (run_) run_->set_datum(*datum_);
+        if (!run_) return;
+        run_->set_datum(*datum_);
+        store_datum();
       }));
   listen<nav_msgs::Odometry>("laser_odom", [this](const auto& m) { publish_in_map(m); });
   listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
@@ -311,6 +314,7 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   run_id_ = run_id;
   poses_.begin_run(run_id);
   next_index_ = next;
+  store_datum();
   const std::string folder = run_->session().directory().string();
   context_.node.setParam("session_folder", folder);
   context_.node.setParam(kRunSession, folder);
@@ -320,6 +324,12 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   report_state();
   ROS_INFO_STREAM(known << " key frames of run " << run_id << " exist already");
   publish_poses(run_->poses(), false);
+}
+
+/// Other nodes turn the positions of this drive to it.
+void BackEndNode::store_datum() {
+  const auto datum = run_->session().datum();
+  if (datum) store_session_datum(*datum, run_id_, context_.node);
 }
 
 }  // namespace lidar_mapping::ros_border

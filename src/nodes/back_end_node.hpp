@@ -69,6 +69,7 @@ class BackEndNode {
   void set_session(session::Session session, const std::string& run_id);
   std::optional<session::Session> session_of(const std::string& run_id) const;
   void store_configuration();
+  void store_datum();
 
   void optimize_if_due();
   void start_solving(bool thorough);
