@@ -70,6 +70,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
   });
   subscribe_all();
   advertise_services();
+  context.node.deleteParam(kRunResuming);
 }
 
 /// Opens the session that this node had before it was killed, otherwise the one of the parameter
@@ -79,11 +80,13 @@ void BackEndNode::resume() {
   const bool was_killed =
       context_.node.getParam(kRunSession, folder) && fs::exists(fs::path(folder) / "session.db");
   if (!was_killed && config_.resume.empty()) return;
+  context_.node.setParam(kRunResuming, ros::this_node::getName());
   const fs::path asked = config_.resume == "latest"
                              ? expanded_path(config_.session_directory) / "latest"
                              : expanded_path(config_.resume);
   continue_session(session::Session::open(was_killed ? fs::path(folder) : asked,
                                           session::Session::Access::kWrite));
+  resumed_run_ = run_id_;
 }
 
 /// A session that no node has made, but map_bag, belongs to no run yet.
@@ -149,6 +152,12 @@ void BackEndNode::subscribe_all() {
 
 /// Returns the first key frame that the session of this run lacks.
 KeyFrameIndex BackEndNode::continue_run(const std::string& run_id) {
+  if (run_ && run_id != run_id_ && run_id_ == resumed_run_) {
+    ROS_ERROR_STREAM("key frames of run '"
+                     << run_id << "' arrive, which does not go on with the resumed session '"
+                     << run_id_
+                     << "': they go into a new session; start the nodes again to go on with it");
+  }
   if (!run_ || run_id != run_id_) begin_run(run_id);
   return next_index_;
 }

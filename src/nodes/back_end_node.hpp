@@ -106,6 +106,7 @@ class BackEndNode {
   // Used by the worker only: the graph, the session, and data that wait for it.
   std::shared_ptr<Run> run_;
   std::string run_id_;
+  std::string resumed_run_;  ///< of the session that was opened at the start, if one was
   KeyFrameIndex next_index_ = 0;
   KeyFrameFeed key_frames_;
   std::size_t reported_missing_ = 0;  ///< key frames that were said to be given up

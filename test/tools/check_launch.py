@@ -82,6 +82,11 @@ class Launch(unittest.TestCase):
         self.assertEqual(self.back_end('resume:=none', 'session_directory:=as_configured'), configured)
         self.assertEqual(self.back_end('resume:=', 'session_directory:='), configured)
 
+    def test_the_front_end_is_told_that_a_session_is_read(self):
+        waits = [bool(self.load('mapping.launch', *words).params.get('/run_state/resuming'))
+                 for words in ([], ['resume:=none'], ['resume:=latest'])]
+        self.assertEqual(waits, [False, False, True])
+
 
 if __name__ == '__main__':
     unittest.main()

@@ -14,6 +14,9 @@ namespace lidar_mapping::ros_border {
 /// start.
 constexpr const char* kRunDatum = "run_state/gnss_datum";  ///< latitude, longitude, altitude
 constexpr const char* kRunSession = "run_state/session";   ///< its folder
+/// The node that is reading a session to go on with, until it answers. mapping.launch sets it, too,
+/// because scans may come before that node has begun.
+constexpr const char* kRunResuming = "run_state/resuming";
 /// The datum of the session, and the run that goes on there.
 constexpr const char* kSessionDatum = "run_state/session_datum";
 
