@@ -285,6 +285,27 @@ TEST_F(FrontEndNode, GoesOnWithTheRunThatTheBackEndHas) {
   EXPECT_NEAR(key_frames_.messages.front().odometry_pose.position.x, 100.0, 1e-6);
 }
 
+/// The bag of the session itself was mapped again, into it.
+TEST_F(FrontEndNode, LeavesOutScansThatAreNotLaterThanTheRunThatItGoesOnWith) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  const ros::ServiceServer service = back_end_with_run_until(stamp_of(20));
+  for (int step = 0; step <= 20; ++step) send(step);
+  const std::string problem = "time went back: these scans are not later than the session";
+  EXPECT_TRUE(wait_until([&] {
+    return std::any_of(diagnostics.messages.begin(), diagnostics.messages.end(),
+                       [&](const auto& message) {
+                         const auto& status = message.status.at(0);
+                         return status.level == diagnostic_msgs::DiagnosticStatus::ERROR &&
+                                status.message.find(problem) == 0;
+                       });
+  })) << node_->output();
+  drive(21, 23);
+  ASSERT_TRUE(odometry_.wait_for(2) && key_frames_.wait_for(1)) << node_->output();
+  EXPECT_EQ(from_ros(odometry_.messages.front().header.stamp), stamp_of(21));
+  EXPECT_EQ(key_frames_.messages.front().index, 42U);
+  EXPECT_EQ(node_->count(problem), 1U) << node_->output();
+}
+
 /// It began a run of its own, which ended the session that was asked for.
 TEST_F(FrontEndNode, WaitsForTheSessionThatTheBackEndReads) {
   const TemporaryFolder folder;
