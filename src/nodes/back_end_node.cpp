@@ -16,6 +16,7 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "scan_record.hpp"
+#include "session_frame.hpp"
 #include "worker_tasks.hpp"
 
 // Received messages, the run that they belong to, and its session.
@@ -69,6 +70,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
   });
   subscribe_all();
   advertise_services();
+  context.node.deleteParam(kRunResuming);
 }
 
 /// Opens the session that this node had before it was killed, otherwise the one of the parameter
@@ -78,11 +80,13 @@ void BackEndNode::resume() {
   const bool was_killed =
       context_.node.getParam(kRunSession, folder) && fs::exists(fs::path(folder) / "session.db");
   if (!was_killed && config_.resume.empty()) return;
+  context_.node.setParam(kRunResuming, ros::this_node::getName());
   const fs::path asked = config_.resume == "latest"
                              ? expanded_path(config_.session_directory) / "latest"
                              : expanded_path(config_.resume);
   continue_session(session::Session::open(was_killed ? fs::path(folder) : asked,
                                           session::Session::Access::kWrite));
+  resumed_run_ = run_id_;
 }
 
 /// A session that no node has made, but map_bag, belongs to no run yet.
@@ -93,7 +97,7 @@ void BackEndNode::continue_session(session::Session session) {
 }
 
 BackEndNode::~BackEndNode() {
-  context_.node.deleteParam(kRunSession);
+  for (const char* name : {kRunSession, kSessionDatum}) context_.node.deleteParam(name);
   solver_.drop_requests();
   service_spinner_.stop();
   solver_.stop();
@@ -129,7 +133,9 @@ void BackEndNode::subscribe_all() {
   subscribers_.push_back(subscribe<sensor_msgs::NavSatFix>(
       context_, "gnss_datum", config_.node.queue_size, [this](const auto& m) {
         datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
-        if (run_) run_->set_datum(*datum_);
+        if (!run_) return;
+        run_->set_datum(*datum_);
+        store_datum();
       }));
   listen<nav_msgs::Odometry>("laser_odom", [this](const auto& m) { publish_in_map(m); });
   listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
@@ -146,6 +152,12 @@ void BackEndNode::subscribe_all() {
 
 /// Returns the first key frame that the session of this run lacks.
 KeyFrameIndex BackEndNode::continue_run(const std::string& run_id) {
+  if (run_ && run_id != run_id_ && run_id_ == resumed_run_) {
+    ROS_ERROR_STREAM("key frames of run '"
+                     << run_id << "' arrive, which does not go on with the resumed session '"
+                     << run_id_
+                     << "': they go into a new session; start the nodes again to go on with it");
+  }
   if (!run_ || run_id != run_id_) begin_run(run_id);
   return next_index_;
 }
@@ -311,6 +323,7 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   run_id_ = run_id;
   poses_.begin_run(run_id);
   next_index_ = next;
+  store_datum();
   const std::string folder = run_->session().directory().string();
   context_.node.setParam("session_folder", folder);
   context_.node.setParam(kRunSession, folder);
@@ -320,6 +333,12 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   report_state();
   ROS_INFO_STREAM(known << " key frames of run " << run_id << " exist already");
   publish_poses(run_->poses(), false);
+}
+
+/// Other nodes turn the positions of this drive to it.
+void BackEndNode::store_datum() {
+  const auto datum = run_->session().datum();
+  if (datum) store_session_datum(*datum, run_id_, context_.node);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -69,6 +69,7 @@ class BackEndNode {
   void set_session(session::Session session, const std::string& run_id);
   std::optional<session::Session> session_of(const std::string& run_id) const;
   void store_configuration();
+  void store_datum();
 
   void optimize_if_due();
   void start_solving(bool thorough);
@@ -105,6 +106,7 @@ class BackEndNode {
   // Used by the worker only: the graph, the session, and data that wait for it.
   std::shared_ptr<Run> run_;
   std::string run_id_;
+  std::string resumed_run_;  ///< of the session that was opened at the start, if one was
   KeyFrameIndex next_index_ = 0;
   KeyFrameFeed key_frames_;
   std::size_t reported_missing_ = 0;  ///< key frames that were said to be given up

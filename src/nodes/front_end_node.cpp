@@ -76,6 +76,7 @@ class FrontEndNode {
   WarningLimiter limiter_;
   std::string run_id_;
   std::optional<front_end::FrontEndResult> previous_;
+  std::optional<Stamp> end_of_resumed_;  ///< stamp of the last key frame of the run that goes on
   std::size_t scans_replayed_ = 0;
   std::uint32_t scans_lost_upstream_ = 0;  ///< scans that were lost before or in preprocessing
   ros::Publisher laser_odom_, status_, current_scan_, local_map_;
@@ -169,19 +170,25 @@ void FrontEndNode::move_to_lidar(PointCloud& cloud) {
   front_end_.set_sensor_pose(T_base_scan_);
 }
 
-/// A large jump back in time means that the recording was restarted. It is reported once, not for
-/// each scan.
+/// A large jump back in time means that the recording was restarted; a drive that does not come
+/// behind the session that it goes on with would have stamps that the session has already. It is
+/// reported once, not for each scan.
 bool FrontEndNode::is_replayed(Stamp stamp) {
-  if (!previous_ || stamp > previous_->stamp - kReplayTolerance) {
+  const bool is_older_than_run = end_of_resumed_ && stamp <= *end_of_resumed_;
+  if (!is_older_than_run && (!previous_ || stamp > previous_->stamp - kReplayTolerance)) {
     scans_replayed_ = 0;
     return false;
   }
   const std::string advice =
-      "time went back: the nodes map one drive per start; restart them to map another drive or to "
-      "play the same bag again";
+      is_older_than_run
+          ? "time went back: these scans are not later than the session that they would go on "
+            "with; map them without resume, and join the two sessions by merge_sessions"
+          : "time went back: the nodes map one drive per start; restart them to map another drive "
+            "or to play the same bag again";
   if (scans_replayed_++ == 0) {
+    const Stamp last = is_older_than_run ? *end_of_resumed_ : previous_->stamp;
     ROS_ERROR_STREAM(
-        advice << " (by " << to_seconds(previous_->stamp - stamp)
+        advice << " (by " << to_seconds(last - stamp)
                << " s; scans are left out until the time is later than that of the last scan)");
   }
   context_.diagnostics.set_state(Diagnostics::Level::kError, advice);
@@ -230,6 +237,8 @@ void FrontEndNode::process(std::vector<AssembledScan> scans) {
 
 void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
+  // Who was taken before the run was known has not been asked.
+  if (!previous_ && is_replayed(assembled.scan.stamp)) return;
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
   for (const front_end::FrontEndResult& finalized : result.finalized) publish_final(finalized);
   publish_odometry(result);
@@ -262,6 +271,7 @@ void FrontEndNode::begin_run() {
   if (!state || state->key_frames.empty()) return;
   const KeyFrame& last = state->key_frames.back();
   front_end_.resume(last.index + 1, last.segment + 1, last.T_odom_base);
+  end_of_resumed_ = last.stamp;
   ROS_WARN_STREAM("continuing run " << run_id_ << " at key frame " << last.index + 1
                                     << ", in a new segment of the trajectory");
 }

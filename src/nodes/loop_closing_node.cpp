@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <sensor_msgs/NavSatFix.h>
+
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/loop_closing/method_substitution.hpp"
+#include "lidar_mapping/pipeline/datum.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/line_limiter.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
@@ -12,6 +15,7 @@
 #include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
+#include "session_frame.hpp"
 #include "unclaimed_positions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -39,8 +43,8 @@ void log_line(const std::optional<std::string>& line) {
 
 }  // namespace
 
-/// Subscribed: key_frame, key_frame_poses, synced_gnss. Published: loop, loop_verdict. Asks
-/// get_key_frames for what it missed; a restart loses nothing.
+/// Subscribed: key_frame, key_frame_poses, synced_gnss, gnss_datum. Published: loop, loop_verdict.
+/// Asks get_key_frames for what it missed; a restart loses nothing.
 class LoopClosingNode {
  public:
   using Config = LidarNodeConfig<loop_closing::LoopClosingConfig>;
@@ -65,6 +69,7 @@ class LoopClosingNode {
   void update_sensor_origin();
   void update_poses(const KeyFramePosesMessage& message);
   void add_gnss(const nav_msgs::Odometry& message);
+  void add_to_run(const GnssPosition& position);
   void publish(const loop_closing::LoopClosingResult& result);
   void report();
 
@@ -77,7 +82,8 @@ class LoopClosingNode {
   std::unique_ptr<Run> run_;
   KeyFrameClient back_end_;
   PoseFeed poses_;
-  UnclaimedPositions gnss_;
+  SessionFrame session_frame_;
+  UnclaimedPositions gnss_;             ///< in the axes of the drive
   std::optional<RunState> stored_run_;  ///< of a resumed run, until its key frames are restored
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
@@ -93,6 +99,7 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
       context_(context),
       back_end_(context.node),
       poses_([this] { return back_end_.poses(); }),
+      session_frame_(context.node),
       loop_(context.node, "loop", kRepeatedLoops),
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
@@ -104,14 +111,18 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
           context, "key_frame_poses", config.node.queue_size,
           [this](const auto& message) { update_poses(*message); }),
       subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
-                                    [this](const auto& message) { add_gnss(*message); })};
+                                    [this](const auto& message) { add_gnss(*message); }),
+      subscribe<sensor_msgs::NavSatFix>(context, "gnss_datum", 1, [this](const auto& message) {
+        session_frame_.set_drive_datum({message->latitude, message->longitude, message->altitude});
+      })};
   context.worker.set_idle_task(kIdle, [this] { log_line(loop_log_.rest()); });
 }
 
 void LoopClosingNode::begin_run(const std::string& run_id) {
   run_id_ = run_id;
   run_ = std::make_unique<Run>(config_, scratch_.path() / std::to_string(++runs_));
-  for (const GnssPosition& position : gnss_.positions()) run_->closer.add_gnss(position);
+  session_frame_.begin_run(run_id);
+  for (const GnssPosition& position : gnss_.positions()) add_to_run(position);
   stored_run_ = back_end_.run();
   if (stored_run_ && stored_run_->run_id != run_id) stored_run_.reset();
   if (stored_run_) poses_.push({run_id, stored_run_->poses});
@@ -163,7 +174,12 @@ void LoopClosingNode::add_gnss(const nav_msgs::Odometry& message) {
   const auto position = gnss_position(message, config_.node.base_frame, sensor_frames_);
   if (!position) return;
   gnss_.add(*position);
-  if (run_) run_->closer.add_gnss(*position);
+  if (run_) add_to_run(*position);
+}
+
+/// Positions that are restored from the session are in its axes already.
+void LoopClosingNode::add_to_run(const GnssPosition& position) {
+  run_->closer.add_gnss(pipeline::transformed_position(position, session_frame_.T_session_drive()));
 }
 
 void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {

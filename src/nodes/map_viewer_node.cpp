@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include <nav_msgs/Odometry.h>
 #include <sensor_msgs/NavSatFix.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -17,6 +16,7 @@ MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
       context_(context),
       back_end_(context.node),
       poses_([this] { return back_end_.poses(); }),
+      session_frame_(context.node),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       builder_([](const std::string& what, const std::string& problem) {
         ROS_ERROR_STREAM(what << " failed: " << problem);
@@ -52,10 +52,7 @@ void MapViewerNode::subscribe_all() {
       subscribe_numbered<LoopVerdictMessage>(context_, "graph_verdict", kUnlimited,
                                              [this](const auto& m) { update_verdict(*m); }),
       subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
-                                    [this](const auto& m) {
-                                      if (view_.add_fix(from_message(m->pose.pose).translation))
-                                        display_.graph_changed();
-                                    }),
+                                    [this](const auto& m) { add_fix(*m); }),
       subscribe<FloorMessage>(context_, "floor", capacity,
                               [this](const auto& m) {
                                 if (view_.floors.add(from_message(*m))) display_.graph_changed();
@@ -65,7 +62,7 @@ void MapViewerNode::subscribe_all() {
       subscribe<diagnostic_msgs::DiagnosticArray>(context_, "/diagnostics", capacity,
                                                   [this](const auto& m) { update_problem(*m); }),
       subscribe<sensor_msgs::NavSatFix>(context_, "gnss_datum", 1, [this](const auto& m) {
-        datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
+        session_frame_.set_drive_datum({m->latitude, m->longitude, m->altitude});
       })};
 }
 
@@ -85,6 +82,11 @@ void MapViewerNode::begin_run(const std::string& run_id) {
   if (run_) view_ = {};
   view_.track.update(poses_.known(run_id));
   run_id_ = run_id;
+  session_frame_.begin_run(run_id);
+  for (const GnssPosition& fix : early_fixes_.positions()) {
+    view_.add_fix(session_frame_.T_session_drive() * fix.p_enu_antenna);
+  }
+  early_fixes_ = {};
   run_ = std::make_shared<Run>(config_.stage, scratch_.path() / std::to_string(++runs_));
 }
 
@@ -114,6 +116,14 @@ void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
   map_outdated_ = true;
   const bool at_once = message.thorough || moved > config_.stage.resolution;
   if (at_once || config_.map_cloud_update_interval == 0.0) show_map(false);
+}
+
+/// Only the run says in which axes a fix is shown.
+void MapViewerNode::add_fix(const nav_msgs::Odometry& message) {
+  GnssPosition fix;
+  fix.p_enu_antenna = from_message(message.pose.pose).translation;
+  if (!run_) return early_fixes_.add(fix);
+  if (view_.add_fix(session_frame_.T_session_drive() * fix.p_enu_antenna)) display_.graph_changed();
 }
 
 void MapViewerNode::add_loop(const LoopMessage& message) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
 #include <ros/wall_timer.h>
@@ -22,6 +23,8 @@
 
 #include "display/drive_display.hpp"
 #include "map_viewer_node_config.hpp"
+#include "session_frame.hpp"
+#include "unclaimed_positions.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -57,6 +60,7 @@ class MapViewerNode {
   void begin_run(const std::string& run_id);
   void add_key_frame(const RunKeyFrame& received);
   void update_poses(const KeyFramePosesMessage& message);
+  void add_fix(const nav_msgs::Odometry& message);
   void add_loop(const LoopMessage& message);
   void update_candidate(const LoopVerdictMessage& message);
   void update_verdict(const LoopVerdictMessage& message);
@@ -80,7 +84,8 @@ class MapViewerNode {
   std::size_t runs_ = 0;
   std::shared_ptr<Run> run_;
   DriveView view_;
-  std::optional<GeodeticDatum> datum_;
+  SessionFrame session_frame_;
+  UnclaimedPositions early_fixes_;  ///< from before the run, in the axes of the drive
   Worker::ChannelId requests_;
   Worker builder_;
   Worker::ChannelId builds_, saves_;

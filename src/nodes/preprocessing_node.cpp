@@ -18,6 +18,7 @@
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
+#include "lidar_mapping/ros/warning_limiter.hpp"
 #include "lidar_mapping/ros/wire_message.hpp"
 
 #include "preprocessing/input_check.hpp"
@@ -67,6 +68,9 @@ class PreprocessingNode {
   ros::Subscriber subscribe_points();
   void add_cloud(const boost::shared_ptr<const WireMessage>& message);
   void add_cloud(const RecordedCloud& cloud);
+  void explain(const std::string& problem);
+  template <typename Read>
+  auto explained(const Read& read);
   void add_other_cloud(const boost::shared_ptr<const WireMessage>& message);
   void process(preprocessing::RawScan scan);
   void flush();
@@ -95,6 +99,7 @@ class PreprocessingNode {
   SyncedPublisher publisher_;
   ScanLossCounter losses_;
   InputWatch watch_;
+  WarningLimiter limiter_;
   preprocessing::SentenceCheck sentences_;
   std::size_t damaged_packets_ = 0;        ///< left out of the clouds that are made of packets
   std::size_t other_clouds_left_out_ = 0;  ///< of other LiDARs, without times or transform
@@ -180,16 +185,34 @@ void PreprocessingNode::follow_transforms() {
       }));
 }
 
+/// Scans that cannot be read have arrived: that they had not was said otherwise.
+void PreprocessingNode::explain(const std::string& problem) {
+  if (!limiter_.due("points")) return;
+  watch_.explain(context_.node.resolveName("points") + ": " + problem);
+}
+
+/// What `read` returns; the error that it throws is also why there are no scans yet.
+template <typename Read>
+auto PreprocessingNode::explained(const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    explain(error.what());
+    throw;
+  }
+}
+
 /// A cloud of any of cloud_types().
 void PreprocessingNode::add_cloud(const boost::shared_ptr<const WireMessage>& message) {
   if (!is_cloud(message->type, message->md5sum)) return warn_of_type(*message, "points");
-  add_cloud(whole_cloud(message));
+  add_cloud(explained([&] { return whole_cloud(message); }));
 }
 
 /// The report also says why no scan could be published.
 void PreprocessingNode::add_cloud(const RecordedCloud& cloud) {
   context_.diagnostics.count_input(from_ros(cloud.message.header.stamp));
-  DecodedCloud decoded = reader_.read_lazily(cloud, std::move(spare_cloud_));
+  DecodedCloud decoded =
+      explained([&] { return reader_.read_lazily(cloud, std::move(spare_cloud_)); });
   damaged_packets_ += decoded.format.damaged_packets;
   watch_.mark_scan();
   input_check_.add_scan(cloud.view(), decoded);
@@ -236,12 +259,13 @@ void PreprocessingNode::flush() {
 
 void PreprocessingNode::warn_of_type(const WireMessage& message, const std::string& topic) {
   const std::string foreign = foreign_definition(message.type, message.md5sum);
-  ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
-                        << " holds "
-                        << (foreign.empty()
-                                ? message.type + ", which is not read; "
-                                                 "doc/preprocessing.md has the types that are"
-                                : foreign + "; " + kForeignRemedy));
+  const std::string problem =
+      "holds " + (foreign.empty() ? message.type +
+                                        ", which is not read; doc/preprocessing.md has the types "
+                                        "that are"
+                                  : foreign + "; " + kForeignRemedy);
+  ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic) << " " << problem);
+  if (topic == "points") explain(problem);
 }
 
 /// A sample, also as a packet of an Ouster.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datum.hpp"
+#include "lidar_mapping/pipeline/datum.hpp"
 
 #include <vector>
 

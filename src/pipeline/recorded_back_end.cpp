@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <set>
 
+#include "lidar_mapping/pipeline/datum.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
-
-#include "datum.hpp"
 
 namespace lidar_mapping::pipeline {
 

@@ -349,6 +349,32 @@ TEST_F(BackEndNode, ResumesASessionOnRequest) {
   EXPECT_EQ(poses_.messages[0].run_id, "run");
 }
 
+TEST_F(BackEndNode, SaysThatAnotherRunEndsTheSessionThatItResumed) {
+  auto node = start();
+  publish(0, 5, "first");
+  ASSERT_TRUE(wait_for_key_frames(5));
+  node->stop();
+  node = start({"_resume:=latest"});
+  publish(5, 6, "first");
+  ASSERT_TRUE(wait_for_key_frames(6)) << node->output();
+  EXPECT_FALSE(node->says("does not go on with")) << node->output();
+  publish(0, 3, "second");
+  EXPECT_TRUE(wait_until([&] {
+    return node->says("run 'second' arrive, which does not go on with the resumed session 'first'");
+  })) << node->output();
+}
+
+/// front_end_node waits for it before the first scan.
+TEST_F(BackEndNode, IsNotWaitedForIfItCannotReadTheSession) {
+  for (const char* mistake : {"_resume:=/no/such/session", "_queue_size:=0"}) {
+    ros::param::set("/run_state/resuming", "back_end_node");
+    NodeProcess node("back_end_node", {"--stay-on-error", mistake});
+    EXPECT_TRUE(wait_until([] { return !ros::param::has("/run_state/resuming"); }))
+        << node.output();
+    EXPECT_TRUE(node.is_running()) << node.output();
+  }
+}
+
 TEST_F(BackEndNode, ResumesASessionOfMapBagWhichBelongsToNoRun) {
   auto node = start();
   publish(0, 10);

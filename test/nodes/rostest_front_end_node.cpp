@@ -259,10 +259,12 @@ TEST_F(FrontEndNode, GivesItsKeyFramesAgainToWhoComesLate) {
   })) << late.output();
 }
 
-TEST_F(FrontEndNode, GoesOnWithTheRunThatTheBackEndHas) {
+/// A back end with a run whose last key frame, number 41, has this stamp.
+ros::ServiceServer back_end_with_run_until(Stamp stamp) {
   const boost::function<bool(GetKeyFrames::Request&, GetKeyFrames::Response&)> answer =
-      [](GetKeyFrames::Request&, GetKeyFrames::Response& response) {
+      [stamp](GetKeyFrames::Request&, GetKeyFrames::Response& response) {
         KeyFrame last;
+        last.stamp = stamp;
         last.index = 41;
         last.segment = 2;
         last.T_odom_base.translation.x() = 100.0;
@@ -270,13 +272,71 @@ TEST_F(FrontEndNode, GoesOnWithTheRunThatTheBackEndHas) {
         response.poses.run_id = "the run";
         return true;
       };
-  const ros::ServiceServer service = ros::NodeHandle().advertiseService("get_key_frames", answer);
+  return ros::NodeHandle().advertiseService("get_key_frames", answer);
+}
+
+TEST_F(FrontEndNode, GoesOnWithTheRunThatTheBackEndHas) {
+  const ros::ServiceServer service = back_end_with_run_until(stamp_of(-10));
   drive(0, 3);
   ASSERT_TRUE(key_frames_.wait_for(1));
   EXPECT_EQ(key_frames_.messages.front().run_id, "the run");
   EXPECT_EQ(key_frames_.messages.front().index, 42U);
   EXPECT_EQ(key_frames_.messages.front().segment, 3U);
   EXPECT_NEAR(key_frames_.messages.front().odometry_pose.position.x, 100.0, 1e-6);
+}
+
+/// The bag of the session itself was mapped again, into it.
+TEST_F(FrontEndNode, LeavesOutScansThatAreNotLaterThanTheRunThatItGoesOnWith) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  const ros::ServiceServer service = back_end_with_run_until(stamp_of(20));
+  for (int step = 0; step <= 20; ++step) send(step);
+  const std::string problem = "time went back: these scans are not later than the session";
+  EXPECT_TRUE(wait_until([&] {
+    return std::any_of(diagnostics.messages.begin(), diagnostics.messages.end(),
+                       [&](const auto& message) {
+                         const auto& status = message.status.at(0);
+                         return status.level == diagnostic_msgs::DiagnosticStatus::ERROR &&
+                                status.message.find(problem) == 0;
+                       });
+  })) << node_->output();
+  drive(21, 23);
+  ASSERT_TRUE(odometry_.wait_for(2) && key_frames_.wait_for(1)) << node_->output();
+  EXPECT_EQ(from_ros(odometry_.messages.front().header.stamp), stamp_of(21));
+  EXPECT_EQ(key_frames_.messages.front().index, 42U);
+  EXPECT_EQ(node_->count(problem), 1U) << node_->output();
+}
+
+/// It began a run of its own, which ended the session that was asked for.
+TEST_F(FrontEndNode, WaitsForTheSessionThatTheBackEndReads) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> back_end = {"_session_directory:=" + folder.path().string()};
+  auto before = std::make_unique<NodeProcess>("back_end_node", back_end);
+  drive(0, 14);
+  GetKeyFrames known;
+  ASSERT_TRUE(key_frames_.wait_for(3) && wait_until([&] {
+                return ros::service::exists("get_key_frames", false) &&
+                       ros::service::call("get_key_frames", known) &&
+                       known.response.key_frames.size() == key_frames_.messages.size();
+              }))
+      << before->output();
+  before->stop();
+
+  ros::param::set("/run_state/resuming", "back_end_node");  // as mapping.launch does
+  start({});
+  odometry_.messages.clear();
+  key_frames_.messages.clear();
+  int step = 14;
+  while (step < 18) send(step++);
+  EXPECT_FALSE(wait_until([&] { return !odometry_.messages.empty(); }, 3.0)) << node_->output();
+  std::vector<std::string> resuming = back_end;
+  resuming.emplace_back("_resume:=latest");
+  const NodeProcess after("back_end_node", resuming);
+  ASSERT_TRUE(send_until([&] { send(step++); }, [&] { return !key_frames_.messages.empty(); }))
+      << node_->output() << after.output();
+  EXPECT_EQ(key_frames_.messages.front().run_id, known.response.poses.run_id);
+  EXPECT_EQ(key_frames_.messages.front().index, known.response.key_frames.size());
+  EXPECT_EQ(from_ros(odometry_.messages.front().header.stamp), stamp_of(14));
+  EXPECT_TRUE(wait_until([] { return !ros::param::has("/run_state/resuming"); }));
 }
 
 /// Extent of a cloud in a frame.

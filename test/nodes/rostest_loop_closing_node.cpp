@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <cstdio>
 
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/NavSatFix.h>
 
+#include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 
@@ -16,10 +20,12 @@ namespace {
 
 constexpr int kCount = 60;
 
-/// Out and back on the same line, 2 m between key frames, with odometry that drifts sideways.
+/// Out and back on the same line.
+Pose true_pose(int index) { return straight(index < kCount / 2 ? index : kCount - 1 - index, 0.8); }
+
+/// 2 m between key frames, with odometry that drifts sideways.
 KeyFrame key_frame_at(int index) {
-  const int step = index < kCount / 2 ? index : kCount - 1 - index;
-  const Pose T_map_base = straight(step, 0.8);
+  const Pose T_map_base = true_pose(index);
   KeyFrame key_frame;
   key_frame.index = static_cast<KeyFrameIndex>(index);
   key_frame.stamp = 1317384506123456789 + index * 400000000LL;
@@ -51,6 +57,8 @@ class LoopClosingNode : public testing::Test {
     response.poses.run_id = "run";
     response.poses.whole = true;
     response.loops = loops_that_are_known_;
+    response.gnss = fixes_that_are_known_;
+    response.antennas.resize(fixes_that_are_known_.size());
     response.searched = searched_;
     for (const KeyFrameMessage& message : stored_) {
       const bool wanted = request.indices.empty() ||
@@ -73,6 +81,7 @@ class LoopClosingNode : public testing::Test {
                                                "_accum_distance_thresh:=10.0"};
   std::vector<KeyFrameMessage> stored_;
   std::vector<LoopMessage> loops_that_are_known_;
+  std::vector<nav_msgs::Odometry> fixes_that_are_known_;
   std::uint32_t searched_ = 0;
   std::size_t requests_ = 0;
   ros::ServiceServer service_;
@@ -144,6 +153,52 @@ TEST_F(LoopClosingNode, TakesLiveKeyFramesAndFetchesTheOnesThatWereLost) {
   }
   ASSERT_TRUE(loops_.wait_for(1)) << node.output();
   EXPECT_GT(requests_, 1U);
+}
+
+/// GNSS of a point of the drive in East-North-Up axes that begin `east` metres from the map's.
+nav_msgs::Odometry fix_at(int index, double east) {
+  nav_msgs::Odometry message;
+  message.header.stamp = ros_border::to_ros(key_frame_at(index).stamp);
+  message.header.frame_id = "map";
+  message.child_frame_id = "base_link";
+  message.pose.pose = ros_border::to_message(true_pose(index));
+  message.pose.pose.position.x -= east;
+  message.pose.covariance[0] = message.pose.covariance[7] = message.pose.covariance[14] = 0.01;
+  message.pose.covariance[21] = -1.0;  // the orientation is not known
+  return message;
+}
+
+/// The loops to a resumed session were refused, as its positions seemed to be elsewhere.
+TEST_F(LoopClosingNode, ComparesTheGnssOfASecondDriveInTheAxesOfTheSession) {
+  constexpr double kEast = 70.0;  // m, of the first fix of the second drive
+  const double kDegrees = kEast / 6391000.0 / std::cos(49.0 * M_PI / 180.0) * 180.0 / M_PI;
+  std::vector<KeyFrameMessage> all;
+  std::swap(all, stored_);
+  for (int i = 0; i < kCount / 2; ++i) {
+    stored_.push_back(all[i]);
+    fixes_that_are_known_.push_back(fix_at(i, 0.0));
+  }
+  searched_ = kCount / 2;
+  ros::param::set("/run_state/session_datum", "49 8.4 115 run");
+  NodeProcess node("loop_closing_node", arguments_);
+  const auto data = connected_publisher<sensor_msgs::NavSatFix>("gnss_datum");
+  const auto fixes = connected_publisher<nav_msgs::Odometry>("synced_gnss");
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  sensor_msgs::NavSatFix datum;
+  datum.latitude = 49.0;
+  datum.longitude = 8.4 + kDegrees;
+  datum.altitude = 115.0;
+  data.publish(datum);
+  for (int i = kCount / 2; i < kCount; ++i) fixes.publish(fix_at(i, kEast));
+  ASSERT_TRUE(wait_until([&] { return requests_ > 1; })) << node.output();
+  for (int i = kCount / 2; i < kCount; ++i) {
+    all[i].segment = 1;
+    live.publish(all[i]);
+  }
+  ASSERT_TRUE(loops_.wait_for(1)) << node.output();
+  EXPECT_LT(loops_.messages.front().from, searched_);
+  EXPECT_GE(loops_.messages.front().to, searched_);
+  ros::param::del("/run_state");
 }
 
 TEST_F(LoopClosingNode, LivesOnAfterAMessageThatCannotBe) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
+#include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -62,6 +64,40 @@ TEST_F(MapViewerNode, ShowsFixesAndFloorsOfBeforeItCame) {
     }
     return shown.count("gnss") > 0 && shown.count("floors") > 0;
   })) << node.output();
+}
+
+/// Those of a second drive, whose first fix is 70 m east of that of the session.
+TEST_F(MapViewerNode, ShowsFixesInTheAxesOfTheSession) {
+  constexpr double kEast = 70.0;  // m
+  ros::param::set("/run_state/session_datum", "49 8.4 115 run");
+  const NodeProcess node("map_viewer_node");
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  const auto data = connected_publisher<sensor_msgs::NavSatFix>("gnss_datum");
+  sensor_msgs::NavSatFix datum;
+  datum.latitude = 49.0;
+  datum.longitude = 8.4 + kEast / 6391000.0 / std::cos(49.0 * M_PI / 180.0) * 180.0 / M_PI;
+  datum.altitude = 115.0;
+  data.publish(datum);
+  const auto fixes = connected_publisher<nav_msgs::Odometry>("synced_gnss");
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  nav_msgs::Odometry fix;
+  fix.pose.pose.orientation.w = 1.0;
+  fixes.publish(fix);
+  live.publish(round_message(0));
+  fix.pose.pose.position.x = 5.0;
+  std::set<double> shown;
+  const auto both_are_shown = [&] {
+    for (const auto& message : markers.messages) {
+      for (const auto& marker : message.markers) {
+        if (marker.ns != "gnss") continue;
+        for (const auto& point : marker.points) shown.insert(std::round(point.x - kEast));
+      }
+    }
+    return shown.size() >= 2;
+  };
+  EXPECT_TRUE(send_until([&] { fixes.publish(fix); }, both_are_shown)) << node.output();
+  EXPECT_EQ(shown, std::set<double>({0.0, 5.0}));
+  ros::param::del("/run_state");
 }
 
 /// An empty grid says nothing.

@@ -262,6 +262,27 @@ TEST(PreprocessingNodeWithDriver, NamesTheMissingMetadataOfAnOuster) {
   EXPECT_EQ(node.node().count(line), 1U) << node.node().output();
 }
 
+/// "No message has arrived" was said of ten in a second.
+TEST(PreprocessingNodeWithDriver, SaysWhatIsWrongWithCloudsThatItCannotRead) {
+  constexpr double kLongerThanTheWatchWaits = 7.0;  // s
+  Diagnostics diagnostics("/diagnostics");
+  NodeWithDriver<sensor_msgs::PointCloud2> node;
+  int step = 0;
+  const auto send = [&] {
+    sensor_msgs::PointCloud2 cloud =
+        ros_border::to_message(yard_seen_from(straight(step), 7U), stamp_of(step), "lidar");
+    cloud.is_bigendian = 1U;
+    node.send(cloud);
+    ++step;
+  };
+  send_until(
+      send, [] { return false; }, kLongerThanTheWatchWaits);
+  std::string states;
+  for (const auto& message : diagnostics.messages) states += message.status.at(0).message + "\n";
+  EXPECT_NE(states.find("/points: cloud: big-endian data"), std::string::npos) << states;
+  EXPECT_EQ(states.find("no message has arrived"), std::string::npos) << states;
+}
+
 TEST(PreprocessingNodeWithDriver, CountsPacketsOfAnOusterThatAreInNoCloud) {
   Diagnostics diagnostics("/diagnostics");
   NodeWithOuster node;

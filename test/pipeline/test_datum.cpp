@@ -5,8 +5,8 @@
 
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
+#include "lidar_mapping/pipeline/datum.hpp"
 
-#include "datum.hpp"
 #include "near.hpp"
 
 namespace lidar_mapping::pipeline {

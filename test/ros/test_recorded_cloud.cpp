@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,9 @@
 #include "lidar_mapping/ros/wire_message.hpp"
 
 #include "cloud_forms.hpp"
+#include "error_text.hpp"
 #include "hesai_messages.hpp"
+#include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {
@@ -201,6 +204,18 @@ TEST(CloudReader, NeedsACalibrationThatIsThere) {
   config.velodyne_calibration = "";
   config.hesai_calibration = "/no/such/file.csv";
   EXPECT_THROW(CloudReader{config}, FileError);
+}
+
+/// No shell puts the home folder for ~ in a file of parameters.
+TEST(CloudReader, FindsACalibrationInTheHomeFolder) {
+  const test::TemporaryFolder home;
+  const std::string before = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
+  setenv("HOME", home.path().c_str(), 1);
+  preprocessing::PreprocessingConfig config;
+  config.hesai_calibration = "~/none.csv";
+  const std::string problem = test::error_text<FileError>([&] { CloudReader{config}; });
+  setenv("HOME", before.c_str(), 1);
+  EXPECT_NE(problem.find(home.path().string() + "/none.csv"), std::string::npos) << problem;
 }
 
 TEST(WireMessage, TakesTheBytesAndTheNumber) {

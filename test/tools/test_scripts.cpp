@@ -22,3 +22,7 @@ TEST(Scripts, TheDemosSecondDriveIsRight) {
 TEST(Scripts, ABlockOfCommandsThatIsRunAgainBeginsWhereItBegan) {
   EXPECT_EQ(std::system("python3 tools/check_snapshot.py"), 0);
 }
+
+TEST(Scripts, TheSetupLetsOtherComputersReachTheNodes) {
+  EXPECT_EQ(std::system("python3 tools/check_setup.py"), 0);
+}

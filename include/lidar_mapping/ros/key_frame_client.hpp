@@ -41,8 +41,8 @@ class KeyFrameClient {
   /// The present state of the back end; empty if there is no back end. Throws InputError for an
   /// inconsistent answer.
   std::optional<RunState> run();
-  /// As run(); waits up to 15 s for a back end that was killed during a drive and is being
-  /// restarted.
+  /// As run(); waits for a back end that reads a session to go on with, and up to 15 s for one that
+  /// was killed during a drive and is being restarted.
   std::optional<RunState> wait_for_run();
   /// The present poses of all key frames, without the key frames themselves; empty if there is no
   /// back end or no run. Throws InputError for an inconsistent answer.

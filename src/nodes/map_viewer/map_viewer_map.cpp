@@ -81,7 +81,7 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
     const MapInput input = result_in(context_.worker, requests_, [this] {
       fetch_newest_poses();
       if (!run_) throw InputError("there are no key frames yet; nothing to save");
-      return MapInput{run_, view_.track.poses(), datum_};
+      return MapInput{run_, view_.track.poses(), session_frame_.datum()};
     });
     return result_in(builder_, saves_, [this, input, request] { return save(input, request); });
   });

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "datum.hpp"
+#include "lidar_mapping/pipeline/datum.hpp"
 
 namespace lidar_mapping::pipeline {
 

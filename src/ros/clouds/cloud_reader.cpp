@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "lidar_mapping/common/home_path.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "clouds/driver_messages.hpp"
@@ -18,7 +19,7 @@ template <typename Calibration>
 std::optional<Calibration> calibration_in(const std::string& path,
                                           Calibration (*read)(const std::string& path)) {
   if (path.empty()) return std::nullopt;
-  return read(path);
+  return read(expanded_path(path).string());
 }
 
 }  // namespace

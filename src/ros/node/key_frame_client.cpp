@@ -60,8 +60,12 @@ std::optional<RunState> KeyFrameClient::run() {
 std::optional<RunState> KeyFrameClient::wait_for_run() {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kRestartTime);
   const std::string service = node_.resolveName(kService);
-  while (ros::ok() && node_.hasParam(kRunSession) && !ros::service::exists(service, false)) {
-    if (ros::WallTime::now() > end) break;
+  while (ros::ok() && !ros::service::exists(service, false)) {
+    if (node_.hasParam(kRunResuming)) {
+      ROS_INFO_ONCE("waiting for back_end_node, which reads the session that this drive goes on");
+    } else if (!node_.hasParam(kRunSession) || ros::WallTime::now() > end) {
+      break;
+    }
     ros::WallDuration(0.1).sleep();
   }
   return run();

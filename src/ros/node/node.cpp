@@ -10,6 +10,7 @@
 #include <ros/param.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/warning_limiter.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -44,6 +45,13 @@ void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) 
   // Stops it before the node, which its tasks use, is gone.
   const std::shared_ptr<Worker> worker(&context.worker, [](Worker* stopped) { stopped->stop(); });
   ros::spin();
+}
+
+/// The other nodes must not wait for a session that this node will not read.
+void end_resuming(const ros::NodeHandle& node) {
+  std::string awaited;
+  if (!node.getParam(kRunResuming, awaited)) return;
+  if (node.resolveName(awaited) == ros::this_node::getName()) node.deleteParam(kRunResuming);
 }
 
 /// Keeps the node alive without work, because a restart by roslaunch would fail in the same way.
@@ -100,16 +108,18 @@ NodeOptions start_ros(int argc, char** argv, const std::string& name, const std:
 
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, bool stay_on_error) {
   // As long as there is a node handle, roscpp and its log keep running.
-  const ros::NodeHandle log_handle;
+  const ros::NodeHandle node;
   prepare_log();
   try {
     run_to_end(make);
     return 0;
   } catch (const Error& error) {
     log_fatal(error.what());
+    end_resuming(node);
     if (stay_on_error) idle_with_error(error.what());
   } catch (const std::exception& error) {
     log_fatal(std::string("unexpected error: ") + error.what());
+    end_resuming(node);
   }
   return 1;
 }
