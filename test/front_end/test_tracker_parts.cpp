@@ -58,6 +58,14 @@ TEST(StepOrigin, IsTheFirstScanOfASegment) {
   EXPECT_EQ(evidence.seconds, 0.0);
 }
 
+// A driver that sends the same points again after an hour.
+TEST(Coasted, GoesOnForSecondsOnly) {
+  TrackedScan tracked = tracked_at(1.0, TrackingState::kTracking);
+  tracked.twist[0] = 10.0;
+  EXPECT_NEAR(coasted(tracked, 0.5).T_odom_base.translation.x(), 6.0, 1e-9);
+  EXPECT_NEAR(coasted(tracked, 3600.0).T_odom_base.translation.x(), 51.0, 1e-9);
+}
+
 /// Points all around the sensor, at this distance (m).
 Scan scan_of_walls(double range, int points = 4000) {
   Scan scan;
@@ -378,6 +386,34 @@ TEST(StepJudge, LosesAMotionThatNoVehicleCanMake) {
   EXPECT_EQ(status_of_a_match_at(100.0, true).state, TrackingState::kLost);
   EXPECT_NE(status_of_a_match_at(100.0, false).state, TrackingState::kLost)
       << "before the second match the motion is not known";
+}
+
+// The clock is set by decades while the vehicle stands: the noise of its twist is no motion of
+// thousands of kilometres.
+TEST(StepJudge, ExpectsNoMotionOverAGap) {
+  constexpr double kGap = 1e9;
+  TrackerState state{FrontEndConfig{}};
+  start_motion(Pose{}, 0.0, state);
+  state.motion_known = true;
+  StepMatch match = good_match_at(0.0);
+  MotionState& matched = match.found.match.state;
+  matched.twist << 0.01, 0.0, 0.0, 0.0, 0.0, 0.001;
+  state.filter.correct(matched, 1e-6 * Matrix12d::Identity());
+  state.filter.predict(kGap);
+  Scan scan = scan_of_walls(20.0);
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i)
+    scan.cloud.times.push_back(0.1F * static_cast<float>(i) / 4000.0F);
+  SweepSampler sweep{FrontEndConfig{}};
+  sweep.sample(scan, 0);
+  FrontEndStatus status;
+  StepJudge judge(50.0);
+  judge.advance(kGap);
+  judge.judge(match, state, sweep, kGap, status);
+  EXPECT_LT(status.evidence.motion_change, 0.06);
+  EXPECT_LT(status.evidence.motion_change_angle, 0.006);
+  EXPECT_LT(status.evidence.sweep_gap, 0.11);
+  EXPECT_GT(status.evidence.turn, 0.0);
+  EXPECT_LT(status.evidence.turn, 0.006);
 }
 
 TEST(StepJudge, DescribesTheMatch) {
