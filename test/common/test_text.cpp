@@ -51,8 +51,8 @@ TEST(Text, IsQuotedWithItsOwnMarksDoubled) {
 TEST(Text, NumbersInNamesAreOrderedByTheirValue) {
   const std::vector<std::string> ordered = {"",
                                             "0.bin",
-                                            "1.bin",
                                             "01.bin",
+                                            "1.bin",
                                             "2.bin",
                                             "10.25.bin",
                                             "10.5.bin",

@@ -103,7 +103,11 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
   EXPECT_FALSE(answer.success);
   EXPECT_NE(answer.message.find("is there already"), std::string::npos) << answer.message;
   // A session that is gone on with keeps the datum of its first drive.
-  session::Session::create_in(folder_.path() / "session").set_datum({10.0, 20.0, 30.0});
+  {
+    auto first = session::Session::create_in(folder_.path() / "session");
+    first.set_datum({10.0, 20.0, 30.0});
+    first.set_poses(KeyFramePoses{}, {}, true);
+  }
   ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
   call.request.destination = (folder_.path() / "first.pcd").string();
   answer = save(call);
