@@ -53,11 +53,13 @@ KeyFramePoses KeyFrameTrack::poses() const {
 
 KeyFramePoses KeyFrameTrack::odometry() const {
   KeyFramePoses result = poses();
-  if (result.poses.empty()) return result;
-  const Pose T_map_odom =
-      result.poses.front().T_map_base * nodes_.begin()->second.T_odom_base.inverse();
+  Pose T_map_odom;
+  std::optional<std::uint32_t> segment;
   for (KeyFramePose& pose : result.poses) {
-    pose.T_map_base = T_map_odom * nodes_.at(pose.index).T_odom_base;
+    const Node& node = nodes_.at(pose.index);
+    if (segment != node.segment) T_map_odom = pose.T_map_base * node.T_odom_base.inverse();
+    segment = node.segment;
+    pose.T_map_base = T_map_odom * node.T_odom_base;
   }
   return result;
 }

@@ -5,7 +5,6 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
@@ -163,7 +162,7 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
   const bool in_enu = is_in_enu(input.session);
   std::vector<MeasuredPosition> measured = measured_positions(input.poses, back_end.positions());
   if (!in_enu) align(measured);
-  const GnssDifferences found = differences_of(measured, travelled_distances(input.poses));
+  const GnssDifferences found = differences_of(measured, input.distances);
   return {{"positions", measured.size()},
           {"used_by_graph", in_enu},
           {"median_horizontal_m", quantile(found.horizontal, 0.5)},

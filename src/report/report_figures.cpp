@@ -12,6 +12,7 @@
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
+#include "lidar_mapping/pipeline/session_drives.hpp"
 
 namespace lidar_mapping::report {
 
@@ -37,6 +38,42 @@ json::Json untracked_sections(const std::vector<session::ScanRecord>& scans) {
   return found;
 }
 
+/// The number of the drive of each pose.
+std::vector<std::size_t> drive_numbers(const session::Session& session,
+                                       const KeyFramePoses& poses) {
+  const std::vector<pipeline::SessionDrive> drives = pipeline::drives_of(session);
+  std::map<KeyFrameIndex, std::size_t> drive_of;
+  for (std::size_t drive = 0; drive < drives.size(); ++drive) {
+    for (const KeyFrame& key_frame : drives[drive].key_frames) drive_of[key_frame.index] = drive;
+  }
+  std::vector<std::size_t> numbers;
+  for (const KeyFramePose& pose : poses.poses) numbers.push_back(drive_of.at(pose.index));
+  return numbers;
+}
+
+/// Length of the path up to each pose, m. Between the vehicles of two drives there is none.
+std::vector<double> distances_of(const KeyFramePoses& poses,
+                                 const std::vector<std::size_t>& drives) {
+  return travelled_distances(
+      poses.poses.size(),
+      [&](std::size_t i) -> const auto& { return poses.poses[i].T_map_base.translation; },
+      [&](std::size_t i) { return drives[i] != drives[i - 1]; });
+}
+
+/// Time on the way, s: that of all drives together.
+double seconds_of(const ReportInput& input) {
+  std::map<std::size_t, std::pair<Stamp, Stamp>> times;  // first and last of each drive
+  for (std::size_t i = 0; i < input.drives.size(); ++i) {
+    const Stamp stamp = input.poses.poses[i].stamp;
+    auto& [first, last] = times.try_emplace(input.drives[i], stamp, stamp).first->second;
+    first = std::min(first, stamp);
+    last = std::max(last, stamp);
+  }
+  Stamp sum = 0;
+  for (const auto& [drive, time] : times) sum += time.second - time.first;
+  return to_seconds(sum);
+}
+
 /// Pairs of poses and truth, after rigid alignment.
 std::vector<evaluation::PosePair> aligned_pairs(const Trajectory& truth,
                                                 const KeyFramePoses& poses) {
@@ -59,18 +96,19 @@ ReportInput report_input(const session::Session& session, std::optional<Trajecto
   map::KeyFrameTrack track;
   for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
   track.update(session.poses());
-  return {session, track.poses(), track.odometry(), std::move(truth)};
+  KeyFramePoses poses = track.poses();
+  std::vector<std::size_t> drives = drive_numbers(session, poses);
+  std::vector<double> distances = distances_of(poses, drives);
+  return {session,           std::move(poses),     track.odometry(),
+          std::move(drives), std::move(distances), std::move(truth)};
 }
 
 json::Json drive_figures(const ReportInput& input) {
-  const auto& poses = input.poses.poses;
-  const auto distances = travelled_distances(input.poses);
-  json::Json figures = {
-      {"key_frames", poses.size()},
-      {"length_m", distances.empty() ? 0.0 : distances.back()},
-      {"seconds", poses.empty() ? 0.0 : to_seconds(poses.back().stamp - poses.front().stamp)},
-      {"revision", input.poses.revision},
-      {"datum", nullptr}};
+  json::Json figures = {{"key_frames", input.poses.poses.size()},
+                        {"length_m", input.distances.empty() ? 0.0 : input.distances.back()},
+                        {"seconds", seconds_of(input)},
+                        {"revision", input.poses.revision},
+                        {"datum", nullptr}};
   if (const auto datum = input.session.datum()) {
     figures["datum"] = {datum->latitude_deg, datum->longitude_deg, datum->altitude_m};
   }
@@ -78,18 +116,17 @@ json::Json drive_figures(const ReportInput& input) {
 }
 
 json::Json trajectory_figures(const ReportInput& input) {
-  const auto distances = travelled_distances(input.poses);
   json::Json rows = json::Json::array();
   double farthest = 0.0;
   double vertical = 0.0;
-  for (std::size_t i = 0; i < distances.size(); ++i) {
+  for (std::size_t i = 0; i < input.distances.size(); ++i) {
     const Pose& map_pose = input.poses.poses[i].T_map_base;
     const Pose& odometry = input.odometry.poses[i].T_map_base;
     const Eigen::Vector3d& p = map_pose.translation;
     const Eigen::Vector3d& q = odometry.translation;
     const double turned = yaw_of(odometry.rotation * map_pose.rotation.conjugate()) * kDegPerRad;
-    rows.push_back({input.poses.poses[i].index, distances[i], p.x(), p.y(), p.z(), q.x(), q.y(),
-                    q.z(), turned});
+    rows.push_back({input.poses.poses[i].index, input.distances[i], p.x(), p.y(), p.z(), q.x(),
+                    q.y(), q.z(), turned});
     farthest = std::max(farthest, (q - p).norm());
     vertical = std::max(vertical, std::abs(q.z() - p.z()));
   }

@@ -21,8 +21,10 @@ namespace lidar_mapping::report {
 struct ReportInput {
   const session::Session& session;
   KeyFramePoses poses;  ///< newest, T_map_base
-  /// Moved so that the first key frame has the pose that it has in `poses`.
+  /// Moved so that the first key frame of each segment has the pose that it has in `poses`.
   KeyFramePoses odometry;
+  std::vector<std::size_t> drives;  ///< the number of the drive of each pose, in order of time
+  std::vector<double> distances;    ///< travelled up to each pose, m; nothing between two drives
   std::optional<Trajectory> truth;
 };
 

@@ -6,7 +6,6 @@
 #include <set>
 #include <sstream>
 
-#include "lidar_mapping/common/path_length.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
@@ -36,13 +35,14 @@ std::set<KeyFrameIndex> constrained_ones(const ReportInput& input,
   return constrained;
 }
 
-/// The longest part of the path on odometry alone.
+/// The longest part of the path on odometry alone; each drive has its own path.
 json::Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& constrained) {
-  const auto distances = travelled_distances(input.poses);
+  const std::vector<double>& distances = input.distances;
   double begin = 0.0;
   double longest = 0.0;
   double at = 0.0;
   for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (i > 0 && input.drives[i] != input.drives[i - 1]) begin = distances[i];
     if (distances[i] - begin > longest) {
       longest = distances[i] - begin;
       at = begin;
@@ -63,12 +63,12 @@ std::vector<KeyFrameUncertainty> uncertainties_of(
     const ReportInput& input, const std::vector<KeyFrameDeviation>& deviations) {
   std::map<KeyFrameIndex, const KeyFrameDeviation*> by_index;
   for (const KeyFrameDeviation& deviation : deviations) by_index[deviation.index] = &deviation;
-  const std::vector<double> distances = travelled_distances(input.poses);
   std::vector<KeyFrameUncertainty> uncertainties;
-  for (std::size_t i = 0; i < distances.size(); ++i) {
+  for (std::size_t i = 0; i < input.distances.size(); ++i) {
     const KeyFramePose& pose = input.poses.poses[i];
     const auto found = by_index.find(pose.index);
-    if (found != by_index.end()) uncertainties.push_back({&pose, found->second, distances[i]});
+    if (found != by_index.end())
+      uncertainties.push_back({&pose, found->second, input.distances[i]});
   }
   return uncertainties;
 }

@@ -28,6 +28,14 @@ TEST(PathLength, IsZeroOfOnePositionAndOfNone) {
   EXPECT_EQ(path_length(poses_at({})), 0.0);
 }
 
+TEST(PathLength, LeavesOutStepsBetweenPaths) {
+  const std::vector<double> places = {0.0, 2.0, 90.0, 91.0};
+  const auto position_of = [&](std::size_t i) { return places[i] * Eigen::Vector3d::UnitX(); };
+  const auto is_apart = [](std::size_t i) { return i == 2; };
+  EXPECT_EQ(travelled_distances(places.size(), position_of, is_apart),
+            (std::vector<double>{0.0, 2.0, 2.0, 3.0}));
+}
+
 TEST(PathLength, TakesPositionsOfAnyKind) {
   const std::vector<Eigen::Vector2d> plan = {{0.0, 0.0}, {0.0, 2.0}, {1.0, 2.0}};
   const auto position_of = [&](std::size_t i) -> const auto& { return plan[i]; };

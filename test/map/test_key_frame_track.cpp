@@ -95,5 +95,21 @@ TEST(KeyFrameTrack, OdometryStartsAtTheFirstPoseOfTheMap) {
   EXPECT_NEAR(odometry.poses[4].T_map_base.translation.x(), 4.4, 1e-12);
 }
 
+// Each segment has an odometry of its own, which begins somewhere else.
+TEST(KeyFrameTrack, OdometryBeginsAnewInEachSegment) {
+  KeyFrameTrack track;
+  for (KeyFrameIndex index = 0; index < 6; ++index) {
+    KeyFrame key_frame = key_frame_at(index, index < 3 ? 1.1 * index : 500.0 + 1.1 * (index - 3));
+    key_frame.segment = index / 3;
+    track.add(key_frame);
+  }
+  track.update(shifted(5, 2.0));
+  const KeyFramePoses odometry = track.odometry();
+  EXPECT_NEAR(odometry.poses[2].T_map_base.translation.x(), 2.2, 1e-12);
+  EXPECT_NEAR(odometry.poses[3].T_map_base.translation.x(), 3.0, 1e-12);
+  EXPECT_NEAR(odometry.poses[5].T_map_base.translation.x(), 5.2, 1e-9);
+  EXPECT_NEAR(odometry.poses[5].T_map_base.translation.y(), 2.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::map

@@ -98,6 +98,46 @@ TEST_F(ReportFigures, FindTheLongestPathWithoutAConstraint) {
   EXPECT_EQ(figures["doubtful"], 0);
 }
 
+/// A minute of another vehicle a day before, 300 m away, whose odometry begins somewhere else. Its
+/// scans are doubtful from the third second on.
+void add_other_drive(Session& session, KeyFramePoses& poses) {
+  for (const KeyFramePose& pose : poses.poses) {
+    session.add_odometry({pose.stamp, pose.T_map_base, 0});
+  }
+  session::RevisionRecord record;
+  record.revision = 2;
+  for (KeyFrameIndex i = 0; i < 7; ++i) {
+    KeyFrame key_frame;
+    key_frame.index = 11 + i;
+    key_frame.segment = 1;
+    key_frame.stamp = from_seconds(i * 10.0 - 86'400.0);
+    key_frame.T_odom_base.translation = {900.0 + 2.0 * i, 70.0, 0.0};
+    session.add_key_frame(key_frame);
+    session.add_odometry({key_frame.stamp, key_frame.T_odom_base, 1});
+    session::ScanRecord scan;
+    scan.stamp = key_frame.stamp;
+    scan.state = i == 3 || i == 4 ? "degraded" : "tracking";
+    session.add_scan(scan);
+    Pose T_map_base;
+    T_map_base.translation = {300.0 + 2.0 * i, 0.0, 0.0};
+    poses.poses.push_back({key_frame.index, key_frame.stamp, T_map_base});
+  }
+  poses.revision = 2;
+  session.set_poses(poses, record);
+}
+
+TEST_F(ReportFigures, CountMergedDrivesOneByOne) {
+  add_other_drive(session_, poses_);
+  const ReportInput input = report_input(session_);
+  const json::Json drive = drive_figures(input);
+  EXPECT_NEAR(drive["length_m"], 10.0 + 0.03 + 12.0, 0.02);
+  EXPECT_EQ(drive["seconds"], 10.0 + 60.0);
+  EXPECT_NEAR(trajectory_figures(input)["odometry_max_m"], 0.25, 1e-9);
+  const auto graph = solved_graph(session_);
+  const json::Json gap = uncertainty_figures(input, *graph, {})["longest_without_constraint"];
+  EXPECT_NEAR(gap["length_m"], 12.0, 0.01) << "the path of a drive, not that of both";
+}
+
 TEST_F(ReportFigures, HaveALineForEachKeyFrame) {
   const auto graph = solved_graph(session_);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));

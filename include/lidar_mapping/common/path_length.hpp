@@ -9,14 +9,23 @@
 namespace lidar_mapping {
 
 /// Distances travelled (m) from the first of `count` positions to each; `position_of(i)` gives a
-/// vector in m.
-template <typename PositionOf>
-std::vector<double> travelled_distances(std::size_t count, const PositionOf& position_of) {
+/// vector in m. Nothing is travelled from position i - 1 to i if `is_apart(i)`, as where the next
+/// vehicle begins.
+template <typename PositionOf, typename IsApart>
+std::vector<double> travelled_distances(std::size_t count, const PositionOf& position_of,
+                                        const IsApart& is_apart) {
   std::vector<double> distances(count, 0.0);
   for (std::size_t i = 1; i < count; ++i) {
-    distances[i] = distances[i - 1] + (position_of(i) - position_of(i - 1)).norm();
+    const double step = is_apart(i) ? 0.0 : (position_of(i) - position_of(i - 1)).norm();
+    distances[i] = distances[i - 1] + step;
   }
   return distances;
+}
+
+/// The same along a single path.
+template <typename PositionOf>
+std::vector<double> travelled_distances(std::size_t count, const PositionOf& position_of) {
+  return travelled_distances(count, position_of, [](std::size_t) { return false; });
 }
 
 /// Distances travelled (m) from the first key frame to each, in the map.

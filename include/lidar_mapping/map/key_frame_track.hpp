@@ -31,7 +31,8 @@ class KeyFrameTrack {
 
   /// Poses of all key frames, in the order of their indices.
   KeyFramePoses poses() const;
-  /// Poses by odometry alone, aligned so that the first key frame lies where it is in poses().
+  /// Poses by odometry alone, aligned so that the first key frame of each segment lies where it is
+  /// in poses(): between two segments the odometry knows no motion.
   KeyFramePoses odometry() const;
   /// The same poses as poses(), with what a display shows beside them.
   std::vector<TrackedKeyFrame> key_frames() const;

@@ -11,9 +11,8 @@
 
 #include "lidar_mapping/back_end/relative_covariance.hpp"
 #include "lidar_mapping/common/sorted_values.hpp"
+#include "lidar_mapping/pipeline/session_drives.hpp"
 #include "lidar_mapping/pipeline/session_part.hpp"
-
-#include "sessions/session_drives.hpp"
 
 namespace lidar_mapping::pipeline {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "sessions/session_drives.hpp"
+#include "lidar_mapping/pipeline/session_drives.hpp"
 
 namespace lidar_mapping::pipeline {
 

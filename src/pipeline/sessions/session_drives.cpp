@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sessions/session_drives.hpp"
+#include "lidar_mapping/pipeline/session_drives.hpp"
 
 #include <algorithm>
 #include <limits>
