@@ -18,17 +18,16 @@ namespace {
 
 using back_end::KeyFrameDeviation;
 
-/// Key frames that are constrained by a used loop or a GNSS position.
+/// Key frames that are constrained by a loop or a GNSS position that the graph uses.
 std::set<KeyFrameIndex> constrained_ones(const ReportInput& input,
                                          const back_end::BackEnd& back_end) {
   std::set<KeyFrameIndex> constrained;
   for (const auto& [loop, used] : back_end.loops()) {
     if (used) constrained.insert({loop.from, loop.to});
   }
-  const auto config = pipeline::stored_config<back_end::BackEndConfig>(input.session);
-  if (!config.use_gnss) return constrained;
+  if (!is_in_enu(input.session)) return constrained;
   std::set<Stamp> stamps;
-  for (const GnssPosition& gnss : input.session.gnss()) stamps.insert(gnss.stamp);
+  for (const GnssPosition& gnss : back_end.positions()) stamps.insert(gnss.stamp);
   for (const KeyFramePose& pose : input.poses.poses) {
     if (stamps.count(pose.stamp) > 0) constrained.insert(pose.index);
   }

@@ -98,6 +98,21 @@ TEST_F(ReportFigures, FindTheLongestPathWithoutAConstraint) {
   EXPECT_EQ(figures["doubtful"], 0);
 }
 
+// Positions were received, but no datum tells where they are: the graph does not use them.
+TEST_F(ReportFigures, CountNoGnssAsAConstraintThatTheGraphDoesNotUse) {
+  GnssPosition position;
+  position.stamp = poses_.poses[5].stamp;
+  position.p_enu_antenna = {5.0, 0.0, 0.0};
+  session_.add_gnss(position);
+  const auto graph = solved_graph(session_);
+  const auto gap = [&] {
+    return uncertainty_figures(report_input(session_), *graph, {})["longest_without_constraint"];
+  };
+  EXPECT_NEAR(gap()["length_m"], 10.0, 0.1);
+  session_.set_datum({49.0, 8.4, 110.0});
+  EXPECT_NEAR(gap()["length_m"], 5.0, 0.1);
+}
+
 /// A minute of another vehicle a day before, 300 m away, whose odometry begins somewhere else. Its
 /// scans are doubtful from the third second on.
 void add_other_drive(Session& session, KeyFramePoses& poses) {
