@@ -80,7 +80,8 @@ def draw_loops(axis, report, at, verdict, label, **style):
 def draw_doubt(axis, report, trajectory):
     """Sections of the path that are doubtful, under the trajectory."""
     labels = {True: 'doubtful', False: 'not to be trusted'}
-    for section in sorted(report['doubt']['sections'], key=lambda s: not s['trusted']):
+    placed = [section for section in report['doubt']['sections'] if section['rows']]
+    for section in sorted(placed, key=lambda s: not s['trusted']):
         rows = slice(section['rows'][0], section['rows'][1] + 1)
         trusted = section['trusted']
         axis.plot(trajectory['x'][rows], trajectory['y'][rows], '-',

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 
 #include "report_figures.hpp"
@@ -10,16 +10,12 @@ namespace lidar_mapping::report {
 
 namespace {
 
-/// The key frames around a section, as positions in `poses`.
-std::pair<std::size_t, std::size_t> around(const pipeline::DoubtfulSection& section,
-                                           const std::vector<KeyFramePose>& poses) {
-  std::size_t first = 0;
-  std::size_t last = poses.empty() ? 0 : poses.size() - 1;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (poses[i].stamp <= section.begin) first = i;
-    if (poses[i].stamp >= section.end) last = std::min(last, i);
-  }
-  return {first, last};
+/// The key frames around a section, as positions in `poses`; null if its drive has none.
+json::Json rows_of(const pipeline::DoubtfulSection& section,
+                   const std::vector<KeyFramePose>& poses) {
+  if (!section.key_frames) return nullptr;
+  const auto row = [&](KeyFrameIndex index) { return find_index(poses, index) - poses.begin(); };
+  return {row(section.key_frames->first), row(section.key_frames->last)};
 }
 
 }  // namespace
@@ -28,7 +24,6 @@ json::Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back
   const pipeline::DriveDoubt doubt = pipeline::drive_doubt(input.session, back_end, input.poses);
   json::Json rows = json::Json::array();
   for (const pipeline::DoubtfulSection& section : doubt.sections) {
-    const auto [first, last] = around(section, input.poses.poses);
     rows.push_back(
         {{"kind", to_string(section.doubt)},
          {"begin_s", to_seconds(section.begin - doubt.begin)},
@@ -39,7 +34,7 @@ json::Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back
                                                            : json::Json()},
          {"lowest_probability", section.lowest_probability.value_or(pipeline::kUnknownProbability)},
          {"trusted", section.is_trusted},
-         {"rows", {first, last}}});
+         {"rows", rows_of(section, input.poses.poses)}});
   }
   return {{"sections", rows}, {"warnings", pipeline::warnings(doubt)}};
 }

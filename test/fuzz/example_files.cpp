@@ -256,6 +256,7 @@ void write_doubtful_stretches(const fs::path& path) {
   stretch.path_length = 3.5;
   stretch.position = {1.0, 2.0, 0.5};
   stretch.expected_error = 0.25;
+  stretch.key_frames = pipeline::KeyFrameRange{1, 4};
   doubt.sections.push_back(stretch);
   stretch.doubt = pipeline::Doubt::kLost;
   stretch.expected_error = std::numeric_limits<double>::infinity();

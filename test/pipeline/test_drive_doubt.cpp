@@ -250,6 +250,10 @@ TEST(DriveDoubt, KnowsDrivesThatOverlapInTime) {
     EXPECT_NEAR(degraded.expected_error, alone.sections.at(0).expected_error, 1e-3);
     EXPECT_FALSE(degraded.is_trusted);
     EXPECT_TRUE(test::near(degraded.position, alone.sections.at(0).position, 0.01));
+    ASSERT_TRUE(degraded.key_frames);
+    const KeyFrameIndex first_of_drive = degraded_is_first ? 0 : kScans / 2;
+    EXPECT_EQ(degraded.key_frames->first, first_of_drive + 49);
+    EXPECT_EQ(degraded.key_frames->last, first_of_drive + 70);
   }
 }
 
@@ -366,7 +370,8 @@ TEST(DriveDoubt, ReportsDamagedLineOfFile) {
 TEST(DriveDoubt, RejectsInvalidNumbers) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "doubt.csv";
-  const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,no";
+  const std::string whole =
+      "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,7,9,no";
   const auto read = [&path](const std::string& line) {
     std::ofstream(path) << "kind\n" << line << "\n";
     return read_doubt(path);
@@ -382,11 +387,28 @@ TEST(DriveDoubt, RejectsInvalidNumbers) {
                                                         {",1.0,", ",1e300,"},
                                                         {"inf", "-1"},
                                                         {",0.5,", ",half,"},
+                                                        {",7,9,", ",-7,9,"},
+                                                        {",7,9,", ",9,7,"},
+                                                        {",7,9,", ",7,,"},
+                                                        {",7,9,", ",7,4294967296,"},
                                                         {",no", ""}}) {
     std::string line = whole;
     line.replace(line.find(from), from.size(), to);
     EXPECT_THROW(read(line), InputError) << line;
   }
+}
+
+TEST(DriveDoubt, ReadsFilesWithoutKeyFrames) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "doubt.csv")
+      << "kind\nlost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,no\n"
+      << "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,,,yes\n";
+  const DriveDoubt doubt = read_doubt(folder.path() / "doubt.csv");
+  ASSERT_EQ(doubt.sections.size(), 2U);
+  EXPECT_FALSE(doubt.sections[0].is_trusted);
+  EXPECT_FALSE(doubt.sections[0].key_frames);
+  EXPECT_TRUE(doubt.sections[1].is_trusted);
+  EXPECT_FALSE(doubt.sections[1].key_frames);
 }
 
 }  // namespace

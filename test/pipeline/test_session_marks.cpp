@@ -45,7 +45,7 @@ class SessionMarks : public testing::Test {
     session_.add_verdict(verdict);
   }
 
-  void write_doubtful_section(double begin_s, double end_s) {
+  void write_doubtful_section(double begin_s, double end_s, KeyFrameRange key_frames) {
     DriveDoubt doubt;
     DoubtfulSection section;
     section.doubt = Doubt::kDegenerate;
@@ -55,6 +55,7 @@ class SessionMarks : public testing::Test {
     section.path_length = 12.0;
     section.expected_error = 0.5;
     section.is_trusted = false;
+    section.key_frames = key_frames;
     doubt.begin = stamp_of(0);
     doubt.sections = {section};
     write_doubt(doubt, session_.directory() / "doubt.csv");
@@ -93,7 +94,7 @@ TEST_F(SessionMarks, LeaveOutLoopsOfKeyFramesWithoutAPose) {
 
 // A doubtful section may have no key frame at all: then it leads to the next one.
 TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
-  write_doubtful_section(1.5, 3.5);
+  write_doubtful_section(1.5, 3.5, {1, 4});
   DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
   EXPECT_EQ(doubt.kind, "degenerate");
   EXPECT_FALSE(doubt.is_trusted);
@@ -102,10 +103,28 @@ TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
   EXPECT_EQ(doubt.path_map[0].x(), 15.0);
   EXPECT_EQ(doubt.path_map[3].x(), 40.0);
 
-  write_doubtful_section(1.2, 1.4);
+  write_doubtful_section(1.2, 1.4, {1, 2});
   doubt = session_marks(session_, poses_).doubts.at(0);
   ASSERT_EQ(doubt.path_map.size(), 2U);
   EXPECT_EQ(doubt.path_map[1].x(), 20.0);
+}
+
+// Another vehicle drives 100 m aside at the same time.
+TEST_F(SessionMarks, StayInTheDriveOfADoubtfulSection) {
+  for (KeyFrameIndex i = 6; i < 12; ++i) {
+    KeyFrame key_frame;
+    key_frame.index = i;
+    key_frame.segment = 2;
+    key_frame.stamp = stamp_of(i - 6) + from_seconds(0.5);
+    session_.add_key_frame(key_frame);
+    Pose pose;
+    pose.translation = {10.0 * (i - 6), 100.0, 0.0};
+    poses_.poses.push_back({i, key_frame.stamp, pose});
+  }
+  write_doubtful_section(1.5, 3.5, {1, 4});
+  const DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
+  EXPECT_EQ(doubt.path_map.size(), 4U);
+  for (const Eigen::Vector3d& p_map : doubt.path_map) EXPECT_EQ(p_map.y(), 0.0);
 }
 
 }  // namespace

@@ -153,6 +153,17 @@ TEST_F(ReportFigures, CountMergedDrivesOneByOne) {
   EXPECT_NEAR(gap["length_m"], 12.0, 0.01) << "the path of a drive, not that of both";
 }
 
+TEST_F(ReportFigures, PlaceADoubtfulSectionInItsDrive) {
+  add_other_drive(session_, poses_);
+  const json::Json doubt = doubt_figures(report_input(session_), *solved_graph(session_));
+  for (const json::Json& section : doubt["sections"]) {
+    if (section["kind"] != "degraded") continue;
+    EXPECT_GE(section["rows"][0], 11 + 2);
+    EXPECT_LE(section["rows"][1], 11 + 4);
+  }
+  EXPECT_FALSE(doubt["sections"].empty());
+}
+
 TEST_F(ReportFigures, HaveALineForEachKeyFrame) {
   const auto graph = solved_graph(session_);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));

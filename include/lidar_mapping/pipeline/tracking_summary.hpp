@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -39,6 +40,12 @@ struct TrackedStep {
   std::size_t drive = 0;  ///< Number of the drive; no path leads from one drive to another.
 };
 
+/// The first and the last one of consecutive key frames of a drive.
+struct KeyFrameRange {
+  KeyFrameIndex first = 0;  ///< index
+  KeyFrameIndex last = 0;   ///< index; at least that of the first one
+};
+
 /// A section of the drive whose scans are doubtful for the same reason.
 struct DoubtfulSection {
   Doubt doubt = Doubt::kLost;  ///< The common reason.
@@ -58,6 +65,9 @@ struct DoubtfulSection {
   /// Smallest probability that a step is right, if any scan has one.
   std::optional<double> lowest_probability;
   bool is_trusted = true;  ///< Whether the map can be relied on here.
+  /// From the last key frame of the drive before the section to the first one after it; none in
+  /// TrackingSummary, and where the drive has no key frames.
+  std::optional<KeyFrameRange> key_frames;
 };
 
 /// By the format of doubt.csv and of the report: stands for a lowest_probability that is not known.

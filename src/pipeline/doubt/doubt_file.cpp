@@ -17,9 +17,10 @@ namespace {
 
 constexpr const char* kHeader =
     "kind,begin_s,end_s,begin_ns,end_ns,scans,way_begin_m,way_m,way_of_drive_m,x,y,z,"
-    "expected_error_m,lowest_probability,trusted";
+    "expected_error_m,lowest_probability,first_key_frame,last_key_frame,trusted";
 
-constexpr std::size_t kColumns = 15;  // by definition: cells of kHeader
+constexpr std::size_t kColumns = 17;     // by definition: cells of kHeader
+constexpr std::size_t kOldColumns = 15;  // by definition: cells without the key frames
 
 /// The cells of a line; an empty one at its end is missing.
 std::vector<std::string> cells_of(const std::string& line) {
@@ -36,9 +37,18 @@ double parse_error(const std::string& cell) {
   return error;
 }
 
+/// Both cells are empty where there are no key frames. Throws InputError.
+std::optional<KeyFrameRange> parse_key_frames(const std::string& first, const std::string& last) {
+  if (first.empty() && last.empty()) return std::nullopt;
+  constexpr std::int64_t kMost = std::numeric_limits<KeyFrameIndex>::max();
+  const std::int64_t first_index = whole_number(first, 0, kMost);
+  return KeyFrameRange{static_cast<KeyFrameIndex>(first_index),
+                       static_cast<KeyFrameIndex>(whole_number(last, first_index, kMost))};
+}
+
 /// Throws InputError.
 DoubtfulSection section_of_cells(const std::vector<std::string>& cells) {
-  if (cells.size() != kColumns) {
+  if (cells.size() != kColumns && cells.size() != kOldColumns) {
     throw InputError(std::to_string(cells.size()) + " cells instead of " +
                      std::to_string(kColumns));
   }
@@ -56,7 +66,8 @@ DoubtfulSection section_of_cells(const std::vector<std::string>& cells) {
   section.expected_error = parse_error(cells[12]);
   const double probability = coordinate(cells[13]);
   if (probability >= 0.0) section.lowest_probability = probability;
-  section.is_trusted = cells[14] == "yes";
+  if (cells.size() == kColumns) section.key_frames = parse_key_frames(cells[14], cells[15]);
+  section.is_trusted = cells.back() == "yes";
   return section;
 }
 
@@ -70,8 +81,9 @@ void write_doubt(const DriveDoubt& doubt, const std::filesystem::path& path) {
          << to_seconds(s.end - doubt.begin) << ',' << s.begin << ',' << s.end << ',' << s.scans
          << ',' << s.path_begin << ',' << s.path_length << ',' << doubt.path_length << ','
          << s.position.x() << ',' << s.position.y() << ',' << s.position.z() << ','
-         << s.expected_error << ',' << s.lowest_probability.value_or(kUnknownProbability) << ','
-         << (s.is_trusted ? "yes" : "no") << '\n';
+         << s.expected_error << ',' << s.lowest_probability.value_or(kUnknownProbability) << ',';
+    s.key_frames ? text << s.key_frames->first << ',' << s.key_frames->last : text << ',';
+    text << ',' << (s.is_trusted ? "yes" : "no") << '\n';
   }
   write_text_atomically(path, text.str());
 }

@@ -159,7 +159,10 @@ class SectionAssessment {
       }
     }
     mark_gaps(sections);
-    for (DoubtfulSection& section : sections) section.position = position_in_map(section);
+    for (DoubtfulSection& section : sections) {
+      section.position = position_in_map(section);
+      section.key_frames = key_frames_around(section);
+    }
   }
 
  private:
@@ -286,6 +289,16 @@ class SectionAssessment {
     if (pose == T_map_base_.end()) return section.position;
     if (section.scans == 0) return pose->second.translation;
     return pose->second * (key_frame.T_odom_base.inverse() * section.position);
+  }
+
+  std::optional<KeyFrameRange> key_frames_around(const DoubtfulSection& section) const {
+    const DriveTrack& track = tracks_[section.drive];
+    if (track.key_frames.empty()) return std::nullopt;
+    const auto [before, last] = track.around(section);
+    // Segments of an old session may be numbered in another order than that of time.
+    const auto [first_index, last_index] =
+        std::minmax(track.key_frames[before].index, track.key_frames[last].index);
+    return KeyFrameRange{first_index, last_index};
   }
 
   std::vector<DriveTrack> tracks_;      ///< Of each drive.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pipeline/session_marks.hpp"
 
-#include <algorithm>
 #include <map>
 
 #include "lidar_mapping/common/sorted_values.hpp"
@@ -43,23 +42,23 @@ std::vector<LoopMark> loops_of(const session::Session& session,
   return loops;
 }
 
-/// From where the section begins along the key frames in it to the first one behind it.
+/// From where the section begins along the key frames in it to the first one behind it, all of the
+/// same drive: another vehicle may have been under way at the same time.
 std::vector<Eigen::Vector3d> course_of(const DoubtfulSection& section,
-                                       const std::vector<PathPoint>& path_by_stamp) {
+                                       const std::vector<PathPoint>& path) {
   std::vector<Eigen::Vector3d> course = {section.position};
-  for (const PathPoint& point : path_by_stamp) {
-    if (point.stamp <= section.begin) continue;
-    course.push_back(point.p_map);
-    if (point.stamp >= section.end) break;
+  if (!section.key_frames) return course;
+  for (const PathPoint& point : path) {
+    if (point.index < section.key_frames->first || point.index > section.key_frames->last) continue;
+    if (point.stamp > section.begin) course.push_back(point.p_map);
   }
   return course;
 }
 
-std::vector<DoubtMark> doubts_of(const session::Session& session, std::vector<PathPoint> path) {
+std::vector<DoubtMark> doubts_of(const session::Session& session,
+                                 const std::vector<PathPoint>& path) {
   const std::filesystem::path file = session.directory() / "doubt.csv";
   if (!std::filesystem::exists(file)) return {};
-  std::sort(path.begin(), path.end(),
-            [](const PathPoint& a, const PathPoint& b) { return a.stamp < b.stamp; });
   std::vector<DoubtMark> doubts;
   for (const DoubtfulSection& section : read_doubt(file).sections) {
     doubts.push_back({to_string(section.doubt), section.begin, section.end, section.path_length,
