@@ -79,7 +79,7 @@ Products ProductWriter::write() {
     if (format.write != nullptr && is_selected(format.name)) (this->*format.write)();
   }
   if (options_.save_removed && static_clouds_) write_removed();
-  if (current_clouds_) products_.outdated = current_clouds_->outdated();
+  if (leaves_out_outdated()) products_.outdated = current_clouds_->outdated();
   return products_;
 }
 
@@ -185,8 +185,12 @@ DriveMarks ProductWriter::marks_of_poses() const {
   return marks;
 }
 
+bool ProductWriter::leaves_out_outdated() const {
+  return current_clouds_ && products_.visits > 1 && !options_.keep_outdated;
+}
+
 CloudSource& ProductWriter::uncropped() {
-  if (current_clouds_ && products_.visits > 1 && !options_.keep_outdated) return *current_clouds_;
+  if (leaves_out_outdated()) return *current_clouds_;
   if (static_clouds_) return *static_clouds_;
   return clouds_;
 }

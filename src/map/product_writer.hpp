@@ -46,6 +46,9 @@ class ProductWriter {
  private:
   bool is_selected(const std::string& format) const;
 
+  /// Whether the map is that of the last visit to each place.
+  bool leaves_out_outdated() const;
+
   // Sources of what is written.
   CloudSource& uncropped();
   CloudSource& source();

@@ -105,10 +105,12 @@ class StaticClouds::Impl {
 
   /// The observers around, nearest first, because these usually decide.
   std::vector<const ObservingScan*> observers_nearest_first(Position position) const {
+    const auto [begin, end] = observers_.neighbours_of(position);
     std::vector<const ObservingScan*> nearest;
     for (Position step = 1; step <= static_cast<Position>(config_.neighbours); ++step) {
-      // indices below 0 wrap and are not found
+      // Positions below 0 wrap, and lie behind the end.
       for (const Position other : {position - step, position + step}) {
+        if (other < begin || other >= end) continue;
         const ObservingScan* observer = observers_.at(other);
         if (observer != nullptr) nearest.push_back(observer);
       }

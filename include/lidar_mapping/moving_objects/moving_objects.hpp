@@ -10,7 +10,8 @@ namespace lidar_mapping::moving_objects {
 
 /// Conditions under which points of moving objects are removed (doc/map.md).
 struct MovingObjectsConfig {
-  /// Number of key frames before and after that vote; other passes of the location do not vote.
+  /// Number of key frames of the same visit before and after that vote; other passes of the
+  /// location do not vote.
   int neighbours = 30;
   /// Largest distance of a point from a voting key frame, m; at most 100.
   double max_range = 40.0;

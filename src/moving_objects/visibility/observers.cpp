@@ -22,7 +22,11 @@ constexpr std::size_t kGroundStep = 3;
 
 Observers::Observers(CloudSource& clouds, const KeyFramePoses& poses,
                      const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config)
-    : clouds_(clouds), poses_(poses.poses), p_base_sensor_(p_base_sensor), config_(config) {
+    : clouds_(clouds),
+      poses_(poses.poses),
+      visits_(poses.poses),
+      p_base_sensor_(p_base_sensor),
+      config_(config) {
   for (Position i = 0; i < poses_.size(); ++i) positions_[poses_[i].index] = i;
 }
 
@@ -85,7 +89,14 @@ const ObservingScan* Observers::at(Position position) const {
 std::pair<Observers::Position, Observers::Position> Observers::neighbours_of(
     Position position) const {
   const auto count = static_cast<Position>(config_.neighbours);
-  return {position > count ? position - count : 0, std::min(poses_.size(), position + count + 1)};
+  const auto is_same_visit = [&](Position other) {
+    return visits_.visit_of(other) == visits_.visit_of(position);
+  };
+  Position begin = position;
+  while (begin > 0 && position - begin < count && is_same_visit(begin - 1)) --begin;
+  Position end = position + 1;
+  while (end < poses_.size() && end - position <= count && is_same_visit(end)) ++end;
+  return {begin, end};
 }
 
 std::vector<Layer> Observers::layers(Position position, const TransformedPoints& points) const {

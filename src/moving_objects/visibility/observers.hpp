@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/moving_objects/visits.hpp"
 
 #include "visibility/observing_scan.hpp"
 #include "votes/moving_points.hpp"
@@ -39,7 +40,10 @@ class Observers {
 
   /// The batch to which a key frame belongs.
   Batch batch_of(Position position) const;
-  /// Adds the neighbours of a key frame in the drive that vote on its points, and itself.
+  /// The first neighbour that votes on the points of a key frame, and the position behind the last
+  /// one. They end with its visit: what was there on another day tells nothing of what moves.
+  std::pair<Position, Position> neighbours_of(Position position) const;
+  /// Adds the neighbours of a key frame that vote on its points, and itself.
   void insert_neighbours(Position position, std::set<Position>& positions) const;
 
   /// Makes the observers at these positions that are missing, and deletes all at others.
@@ -52,13 +56,12 @@ class Observers {
   std::vector<Layer> layers(Position position, const TransformedPoints& points) const;
 
  private:
-  /// The first neighbour in the drive that votes, and the position behind the last one.
-  std::pair<Position, Position> neighbours_of(Position position) const;
   void add(const std::vector<Position>& positions);
   ObservingScan observing_scan_of(Position position, const PointCloud& cloud) const;
 
   CloudSource& clouds_;
   const std::vector<KeyFramePose> poses_;
+  const Visits visits_;
   const Eigen::Vector3d p_base_sensor_;
   const MovingObjectsConfig config_;
   std::map<KeyFrameIndex, Position> positions_;

@@ -134,8 +134,10 @@ map::Files write_map(const Session& session, const MapOutput& output, const KeyF
   if (products.points > 0) std::printf("%zu points of ", products.points);
   std::printf("%zu %s\n", poses.poses.size(), name.c_str());
   if (products.visits > 1) {
-    std::printf("%zu visits; %zu points of what was not there any more are left out\n",
-                products.visits, products.outdated);
+    std::printf("%zu visits; ", products.visits);
+    options.keep_outdated ? std::printf("what was not there any more is kept\n")
+                          : std::printf("%zu points of what was not there any more are left out\n",
+                                        products.outdated);
   }
   if (options.save_removed) std::printf("%zu points of moving objects\n", products.removed);
   return products.files;
