@@ -165,6 +165,26 @@ TEST(WritePointFiles, ReplacesItsOwnFilesOnly) {
   const fs::path own = folder.path() / "own";
   write_point_files(example_map(), {}, own, {});
   EXPECT_NO_THROW(write_point_files(example_map(), {}, own, {}));
+  // The description of what is written would stand beside it.
+  EXPECT_THROW(write_point_files(example_map(), {}, folder.path(), {"ply"}), FileError);
+  EXPECT_FALSE(fs::exists(folder.path() / "map.yaml"));
+}
+
+TEST(WritePointFiles, LeavesNoFileThatItsDescriptionDoesNotDescribe) {
+  const TemporaryFolder folder;
+  MapDescription in_utm;
+  in_utm.datum = GeodeticDatum{49.0, 8.4, 110.0};
+  in_utm.utm.emplace(*in_utm.datum);
+  write_point_files(example_map(), in_utm, folder.path(), {"pcd", "ply"});
+  write_point_files(example_map(), in_utm, folder.path(), {"pcd"});
+  EXPECT_TRUE(fs::exists(folder.path() / "map.ply")) << "it is still described";
+  MapDescription in_map = in_utm;
+  in_map.utm.reset();
+  write_point_files(example_map(), in_map, folder.path(), {"pcd"});
+  EXPECT_TRUE(fs::exists(folder.path() / "map.pcd"));
+  for (const char* name : {"map.ply", "map.ply.utm", "map.pcd.utm"}) {
+    EXPECT_FALSE(fs::exists(folder.path() / name)) << name;
+  }
 }
 
 TEST(TopView, DrawsPointsAtTheirPositions) {

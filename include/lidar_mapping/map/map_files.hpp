@@ -38,9 +38,11 @@ struct ConcurrentTask {
 /// and map.yaml (frame, datum, resolution, number of points, bounds) beside them; in UTM also
 /// map.FORMAT.utm, which holds easting, northing and height of the origin. The origin is not
 /// added to the points, because floats would lose precision. A file appears completely or not at
-/// all. Throws InputError for another format or an empty map, and FileError if the disk fails or if
-/// the folder holds one of the files without a map.yaml beside it, so that it does not come from
-/// this package; in these cases `concurrent_task` has not started.
+/// all. Where map.yaml changes, files of point_formats() that are not among `formats` are removed,
+/// because it would not describe them. Throws InputError for another format or an empty map, and
+/// FileError if the disk fails or if the folder holds a file of point_formats() without a map.yaml
+/// beside it, so that it does not come from this package; in these cases `concurrent_task` has not
+/// started.
 Files write_point_files(const CloudParts& map, const MapDescription& description,
                         const std::filesystem::path& directory,
                         const std::vector<std::string>& formats,

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <ostream>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/map/write_products.hpp"
 
 #include "map_formats.hpp"
 
@@ -136,6 +139,12 @@ auto points_writer(const std::string& name) {
   return format == nullptr ? nullptr : format->write_points;
 }
 
+/// Text of a file; empty if there is none.
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 void check_own_file(const fs::path& file, const fs::path& description) {
   if (fs::exists(file) && !fs::exists(description)) {
     throw FileError(file.string() +
@@ -158,12 +167,24 @@ Files write_point_files(const CloudParts& map, const MapDescription& description
     if (points_writer(format) == nullptr) {
       throw InputError("map format '" + format + "' cannot be written from points alone");
     }
+  }
+  // Those of other formats, too: the description will stand beside them.
+  for (const std::string& format : point_formats()) {
     check_own_file(file_of(format), description_file);
   }
   const PointExtent extent = extent_of(map);
   if (extent.points == 0) throw InputError("the map has no points yet; drive first");
   Files files{description_file};
-  write_text_atomically(files.back(), to_yaml(extent, description));
+  const std::string text = to_yaml(extent, description);
+  if (text != content_of(description_file)) {
+    // They hold what the old description says.
+    for (const std::string& format : point_formats()) {
+      if (contains(selected_formats, format)) continue;
+      fs::remove(file_of(format));
+      fs::remove(file_of(format + ".utm"));
+    }
+  }
+  write_text_atomically(files.back(), text);
   const auto write = [&] {
     for (const std::string& format : selected_formats) {
       const fs::path& file = files.emplace_back(file_of(format));
