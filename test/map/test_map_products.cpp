@@ -13,6 +13,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_config.hpp"
 
+#include "error_text.hpp"
 #include "file_content.hpp"
 #include "files/whole_folder.hpp"
 #include "map_products.hpp"
@@ -102,6 +103,19 @@ TEST(WholeFolder, IsPutBackAfterAKillWhileItWasReplaced) {
   write_whole_folder(ept, "ept.json", "tiles", written("second"));
   EXPECT_EQ(content_of(ept / "ept.json"), "second");
   EXPECT_FALSE(fs::exists(old));
+}
+
+// Two points that are far apart would make a picture that no disk holds.
+TEST(WriteGrid, RefusesMoreCellsThanAPictureCanHave) {
+  const TemporaryFolder folder;
+  PointCloud map;
+  map.points = {{0.0F, 0.0F, 0.0F, 0.0F}, {40'000.0F, 30'000.0F, 0.0F, 0.0F}};
+  GridOptions options;
+  options.cell = 0.1;
+  const std::string problem =
+      test::error_text<InputError>([&] { write_grid(map, options, folder.path(), std::nullopt); });
+  EXPECT_NE(problem.find("give a larger --cell"), std::string::npos) << problem;
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 // Coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.

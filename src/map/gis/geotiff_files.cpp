@@ -17,6 +17,7 @@
 #include "files/ept_file.hpp"
 #include "files/millimetre_frame.hpp"
 #include "files/point_spool.hpp"
+#include "grid/grid_frame.hpp"
 
 namespace lidar_mapping::map {
 
@@ -26,8 +27,7 @@ namespace fs = std::filesystem;
 
 // Pixels, by definition: the edge of a block that GDAL takes by default.
 constexpr int kBlock = 256;
-constexpr int kMaxStripes = 64;     // chosen: so many buffers of points are 90 MB
-constexpr double kMaxPixels = 4e9;  // chosen: 63 km square at 1 m; each file is 16 GB uncompressed
+constexpr int kMaxStripes = 64;  // chosen: so many buffers of points are 90 MB
 
 /// Rows of pixels, from north to south, and columns from west to east.
 struct RasterFrame {
@@ -37,12 +37,7 @@ struct RasterFrame {
         north((std::floor(area.max().y() / pixel_m) + 1.0) * pixel_m) {
     const double wide = std::floor((area.max().x() - west) / pixel) + 1.0;
     const double tall = std::floor((north - area.min().y()) / pixel) + 1.0;
-    if (wide * tall > kMaxPixels) {
-      throw InputError(
-          formatted("a raster of %.0f by %.0f pixels is too large; give a larger "
-                    "--pixel, or a part of the map by --crop",
-                    wide, tall));
-    }
+    check_raster_size(wide, tall, "--pixel");
     columns = static_cast<int>(wide);
     rows = static_cast<int>(tall);
   }

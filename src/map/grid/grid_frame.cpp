@@ -10,12 +10,23 @@
 
 namespace lidar_mapping::map {
 
+void check_raster_size(double columns, double rows, const char* option) {
+  constexpr double kMaxPixels = 4e9;  // chosen: 63 km square at 1 m; 16 GB of floats
+  if (columns * rows <= kMaxPixels) return;
+  throw InputError(
+      formatted("a raster of %.0f by %.0f pixels is too large; give a larger %s, or a part of the "
+                "map by --crop",
+                columns, rows, option));
+}
+
 GridFrame::GridFrame(const CloudParts& map, double cell_size) : cell(cell_size) {
   Eigen::AlignedBox2f bounds;
   map.for_each_point([&](const Point& point) { bounds.extend(point.position().head<2>()); });
   if (bounds.isEmpty()) throw InputError("the map has no points; there is no grid to make");
   x_min = cell * std::floor(static_cast<double>(bounds.min().x()) / cell);
   y_min = cell * std::floor(static_cast<double>(bounds.min().y()) / cell);
+  check_raster_size((static_cast<double>(bounds.max().x()) - x_min) / cell,
+                    (static_cast<double>(bounds.max().y()) - y_min) / cell, "--cell");
   columns = column_of(bounds.max().x()) + 1;
   rows = row_of(bounds.max().y()) + 1;
 }

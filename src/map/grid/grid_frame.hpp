@@ -7,10 +7,15 @@
 
 namespace lidar_mapping::map {
 
+/// Throws InputError for a raster of more than 4e9 pixels, which names the option that sets the
+/// size of a pixel.
+void check_raster_size(double columns, double rows, const char* option);
+
 /// Geometry of the 2D grid of a map: cells of the x-y plane of the map frame, rows counted from
 /// below.
 struct GridFrame {
-  /// The smallest grid around all points of the map. Throws InputError for a map without points.
+  /// The smallest grid around all points of the map. Throws InputError for a map without points,
+  /// and like check_raster_size().
   GridFrame(const CloudParts& map, double cell_size);
 
   int column_of(float x) const { return static_cast<int>((static_cast<double>(x) - x_min) / cell); }
