@@ -2,7 +2,9 @@
 #include "lidar_mapping/evaluation/association.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -40,6 +42,71 @@ Eigen::Matrix4d umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   return Eigen::umeyama(estimate, truth, with_scale);
 }
 
+/// The line that lies nearest to the true positions.
+struct Line {
+  Eigen::Vector3d centre;
+  Eigen::Vector3d direction;
+  double spread_across;  ///< root mean square of the positions along the wider axis across, m
+};
+
+Line line_of_truth(const std::vector<PosePair>& pairs) {
+  const auto count = static_cast<double>(pairs.size());
+  Line line;
+  line.centre.setZero();
+  for (const PosePair& pair : pairs) line.centre += pair.truth.translation / count;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const PosePair& pair : pairs) {
+    const Eigen::Vector3d d = pair.truth.translation - line.centre;
+    covariance += d * d.transpose() / count;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  line.direction = solver.eigenvectors().col(2);
+  line.spread_across = std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
+  return line;
+}
+
+/// Root mean square of the distances across the line between positions of a pair, m.
+double residual_across(const std::vector<PosePair>& pairs, const Pose& T_truth_estimate,
+                       const Line& line) {
+  double squares = 0.0;
+  for (const PosePair& pair : pairs) {
+    const Eigen::Vector3d d = pair.truth.translation - T_truth_estimate * pair.estimate.translation;
+    squares += d.cross(line.direction).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(pairs.size()));
+}
+
+/// The angle (rad) about the line by which the estimate has to be turned so that its orientations
+/// come nearest to the true ones: it maximizes the sum of the traces of the remaining rotations.
+double turn_about(const Line& line, const std::vector<PosePair>& pairs,
+                  const Pose& T_truth_estimate) {
+  double real = 0.0;
+  double about_line = 0.0;
+  double mixed = 0.0;
+  for (const PosePair& pair : pairs) {
+    const Eigen::Quaterniond turn =
+        pair.truth.rotation * (T_truth_estimate.rotation * pair.estimate.rotation).conjugate();
+    const double s = turn.vec().dot(line.direction);
+    real += turn.w() * turn.w();
+    about_line += s * s;
+    mixed += turn.w() * s;
+  }
+  return std::atan2(2.0 * mixed, real - about_line);
+}
+
+/// Positions on a line leave the rotation about it free: orientations determine it then.
+Pose with_known_roll(const std::vector<PosePair>& pairs, const Pose& T_truth_estimate) {
+  // Of the residuals. Chosen: with fewer, the rotation is off by about 20 degrees or more.
+  constexpr double kLeastSpread = 3.0;
+  const Line line = line_of_truth(pairs);
+  if (line.spread_across > kLeastSpread * residual_across(pairs, T_truth_estimate, line)) {
+    return T_truth_estimate;
+  }
+  const double angle = turn_about(line, pairs, T_truth_estimate);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, line.direction));
+  return Pose{turn, line.centre - turn * line.centre} * T_truth_estimate;
+}
+
 /// Whether the positions are not all the same.
 bool moves(const std::vector<PosePair>& pairs, Pose PosePair::*which) {
   return std::any_of(pairs.begin(), pairs.end(), [&](const PosePair& pair) {
@@ -61,7 +128,7 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
 }
 
 Pose rigid_alignment(const std::vector<PosePair>& pairs) {
-  return Pose::from_matrix(umeyama(pairs, false));
+  return with_known_roll(pairs, Pose::from_matrix(umeyama(pairs, false)));
 }
 
 SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs) {
@@ -71,7 +138,7 @@ SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs) {
   }
   const double scale = matrix.topLeftCorner<3, 3>().col(0).norm();
   matrix.topLeftCorner<3, 3>() /= scale;
-  return {Pose::from_matrix(matrix), scale};
+  return {with_known_roll(scaled(pairs, scale), Pose::from_matrix(matrix)), scale};
 }
 
 std::vector<PosePair> scaled(std::vector<PosePair> pairs, double scale) {

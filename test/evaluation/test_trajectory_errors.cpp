@@ -71,6 +71,38 @@ TEST(AbsolutePoseError, VanishesAfterAlignment) {
   EXPECT_LT(absolute_pose_error(fitted).rotation_deg.max, 1e-6);
 }
 
+/// A straight drive whose estimate is off by a few centimetres that spiral about the line.
+std::vector<PosePair> spiralling_pairs() {
+  Trajectory estimate = straight(100);
+  for (std::size_t i = 0; i < estimate.poses.size(); ++i) {
+    const double phase = 0.3 * static_cast<double>(i);
+    estimate.poses[i].pose.translation +=
+        Eigen::Vector3d(0.0, std::cos(phase), std::sin(phase)) * 0.03;
+  }
+  const Pose elsewhere{exp_so3({0.4, 0.0, 0.0}), {0.0, 5.0, 0.0}};
+  return associate(straight(100), moved(estimate, elsewhere), 1.5);
+}
+
+// In a tunnel the truth would be turned by any angle about its line.
+TEST(RigidAlignment, TakesTheRollAboutAStraightPathFromTheOrientations) {
+  const auto pairs = spiralling_pairs();
+  for (const Pose& T : {rigid_alignment(pairs), similarity_alignment(pairs).T_truth_estimate}) {
+    const PoseErrors errors = absolute_pose_error(aligned(pairs, T));
+    EXPECT_LT(errors.rotation_deg.max, 0.5);
+    EXPECT_LT(errors.translation_m.max, 0.04);
+  }
+}
+
+// What turns determines all of the motion: orientations that are wrong do not bend it.
+TEST(RigidAlignment, IsThatOfThePositionsWhereTheseDetermineIt) {
+  auto pairs = associate(bent(), bent());
+  for (PosePair& pair : pairs) {
+    pair.estimate.rotation = exp_so3({0.5, 0.0, 0.0});
+    pair.estimate.translation.y() += 0.01;
+  }
+  EXPECT_LT(rotation_angle(rigid_alignment(pairs).rotation), 1e-6);
+}
+
 TEST(SimilarityAlignment, FindsTheScale) {
   Trajectory longer = bent();
   for (StampedPose& entry : longer.poses) entry.pose.translation *= 1.25;

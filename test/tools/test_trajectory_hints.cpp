@@ -77,6 +77,34 @@ TEST(TrajectoryHints, DoNotRepeatWhatWasApplied) {
   EXPECT_TRUE(holds(hints[0], "--align --lever-arm"));
 }
 
+/// A straight tunnel leaves the rotation about it free, so an alignment proves nothing of axes.
+TEST(TrajectoryHints, DoNotProposeTheAxesOfAFreeRotation) {
+  Pairs pairs;
+  for (int i = 0; i < 200; ++i) {
+    const Pose truth{Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0}};
+    Pose estimate = truth;
+    estimate.translation +=
+        Eigen::Vector3d(0.5, 0.02 * std::sin(0.2 * i), 0.02 * std::cos(0.2 * i));
+    pairs.push_back({static_cast<Stamp>(i), truth, estimate});
+  }
+  for (const std::string& hint : trajectory_hints(pairs, {})) {
+    EXPECT_FALSE(holds(hint, "--lever-rotation")) << hint;
+  }
+}
+
+/// Orientations agree before the alignment that the positions call for, and not after it.
+TEST(TrajectoryHints, DoNotProposeAxesForTheErrorOfAnAlignment) {
+  Pairs pairs = drive();
+  const Eigen::Quaterniond roll = exp_so3({0.5, 0.0, 0.0});
+  for (PosePair& pair : pairs) {
+    pair.truth.rotation = pair.estimate.rotation = Eigen::Quaterniond::Identity();
+    pair.estimate.translation = roll * pair.estimate.translation;
+  }
+  const auto hints = trajectory_hints(pairs, {});
+  ASSERT_EQ(hints.size(), 1U);
+  EXPECT_TRUE(holds(hints[0], "with --align"));
+}
+
 /// Two centimetres are no hint, however much of the error they are.
 TEST(TrajectoryHints, LeaveSmallGainsOut) {
   const Pose near_by{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.015}};

@@ -21,8 +21,9 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
                                 double largest_gap_s = 0.5);
 
 /// The rigid motion T_truth_estimate that brings the estimated positions nearest to the true ones
-/// in the least-squares sense (Umeyama 1991, without scale). Throws InputError for less than three
-/// pairs.
+/// in the least-squares sense (Umeyama 1991, without scale). Positions on a line, as of a straight
+/// tunnel, leave the rotation about it free; there it brings the orientations nearest to each
+/// other. Throws InputError for less than three pairs.
 Pose rigid_alignment(const std::vector<PosePair>& pairs);
 
 /// A rigid motion with a scale of the estimated positions, which is to be applied first.

@@ -99,7 +99,9 @@ std::vector<std::string> trajectory_hints(const Pairs& pairs, const AppliedOptio
   const Eigen::Quaterniond turn = estimated_turn(compared);
   const double before = angle_error(compared);
   const double after = angle_error(moved_on_vehicle(compared, {turn, Eigen::Vector3d::Zero()}));
-  if (after > kMaxRemaining * before || after > before - kLeastGain_deg) return hints;
+  // Axes explain no error that an alignment alone brings in.
+  const double least = std::min(before, angle_error(pairs));
+  if (after > kMaxRemaining * least || after > least - kLeastGain_deg) return hints;
   const Eigen::Vector3d angles = angles_of(turn);
   hints.push_back(formatted(
       "the angles would be %.2f deg off instead of %.2f deg with%s --lever-rotation %.1f %.1f "
