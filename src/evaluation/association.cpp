@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::evaluation {
 
@@ -125,6 +126,34 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
     if (pose) pairs.push_back({entry.stamp, *pose, entry.pose});
   }
   return pairs;
+}
+
+LeftOut left_out(const Trajectory& truth, const Trajectory& estimate) {
+  LeftOut counts;
+  if (!truth.has_stamps || !estimate.has_stamps) return counts;
+  for (const StampedPose& entry : estimate.poses) {
+    if (pose_at(entry.stamp, truth, kLargestGap)) continue;
+    const bool is_within = !truth.poses.empty() && entry.stamp > truth.poses.front().stamp &&
+                           entry.stamp < truth.poses.back().stamp;
+    ++(is_within ? counts.in_gaps : counts.outside);
+  }
+  return counts;
+}
+
+std::string reason_of(const LeftOut& left_out, const std::string& name) {
+  std::vector<std::string> reasons;
+  if (left_out.in_gaps > 0) {
+    reasons.push_back(formatted("%zu lie in gaps of %s longer than %g s", left_out.in_gaps,
+                                name.c_str(), kLargestGap));
+  }
+  if (left_out.outside > 0) {
+    reasons.push_back(formatted("%zu lie before or after %s", left_out.outside, name.c_str()));
+  }
+  return joined(reasons);
+}
+
+std::string remedy_for(const LeftOut& left_out) {
+  return left_out.in_gaps > 0 ? "give a denser trajectory" : "check the clocks of both";
 }
 
 Pose rigid_alignment(const std::vector<PosePair>& pairs) {

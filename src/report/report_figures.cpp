@@ -74,18 +74,25 @@ double seconds_of(const ReportInput& input) {
   return to_seconds(sum);
 }
 
+Trajectory trajectory_of(const KeyFramePoses& poses) {
+  Trajectory trajectory;
+  for (const KeyFramePose& pose : poses.poses) {
+    trajectory.poses.push_back({pose.stamp, pose.T_map_base});
+  }
+  return trajectory;
+}
+
 /// Pairs of poses and truth, after rigid alignment.
 std::vector<evaluation::PosePair> aligned_pairs(const Trajectory& truth,
                                                 const KeyFramePoses& poses) {
-  Trajectory estimate;
-  for (const KeyFramePose& pose : poses.poses) {
-    estimate.poses.push_back({pose.stamp, pose.T_map_base});
-  }
+  const Trajectory estimate = trajectory_of(poses);
   const auto pairs = evaluation::associate(truth, estimate);
   if (pairs.size() < kFewestPairs) {
-    throw InputError("only " + std::to_string(pairs.size()) +
-                     " key frames lie within the time of the true trajectory; check the clocks of "
-                     "both");
+    const evaluation::LeftOut left_out = evaluation::left_out(truth, estimate);
+    throw InputError("only " + std::to_string(pairs.size()) + " of " +
+                     std::to_string(estimate.poses.size()) + " key frames have a true pose; " +
+                     evaluation::reason_of(left_out, "the true trajectory") + "; " +
+                     evaluation::remedy_for(left_out));
   }
   return evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
 }
@@ -175,6 +182,10 @@ json::Json truth_figures(const ReportInput& input) {
   const auto ape = evaluation::absolute_pose_error(pairs);
   const auto rpe = evaluation::relative_pose_error(pairs, kRelativeDelta);
   const auto kitti = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
+  const auto left_out = evaluation::left_out(truth, trajectory_of(input.poses));
+  const auto over = [](std::size_t count, double figure) {
+    return count == 0 ? json::Json() : json::Json(figure);
+  };
   const auto distances = evaluation::travelled_distances(pairs);
   json::Json rows = json::Json::array();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -184,14 +195,17 @@ json::Json truth_figures(const ReportInput& input) {
                     rotation_angle(error.rotation) * kDegPerRad, before.translation.norm()});
   }
   return {{"poses", pairs.size()},
+          {"left_out", {{"outside", left_out.outside}, {"in_gaps", left_out.in_gaps}}},
           {"ape_rmse_m", ape.translation_m.rmse},
           {"ape_max_m", ape.translation_m.max},
           {"ape_rmse_deg", ape.rotation_deg.rmse},
           {"rpe_delta_m", kRelativeDelta},
-          {"rpe_rmse_m", rpe.translation_m.rmse},
-          {"rpe_rmse_deg", rpe.rotation_deg.rmse},
-          {"kitti_translation_percent", kitti.translation_percent},
-          {"kitti_rotation_deg_per_100m", kitti.rotation_deg_per_100m},
+          {"rpe_count", rpe.translation_m.count},
+          {"rpe_rmse_m", over(rpe.translation_m.count, rpe.translation_m.rmse)},
+          {"rpe_rmse_deg", over(rpe.rotation_deg.count, rpe.rotation_deg.rmse)},
+          {"kitti_segments", kitti.segments},
+          {"kitti_translation_percent", over(kitti.segments, kitti.translation_percent)},
+          {"kitti_rotation_deg_per_100m", over(kitti.segments, kitti.rotation_deg_per_100m)},
           {"columns", {"distance", "error_m", "error_deg", "odometry_error_m"}},
           {"rows", rows}};
 }

@@ -57,8 +57,8 @@ std::string key_frame_table(const ReportInput& input,
                             const std::vector<back_end::KeyFrameDeviation>& deviations);
 /// Doubtful sections of the map, with the key frames around them; see drive_doubt().
 json::Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back_end);
-/// APE, RPE and KITTI's errors; null without truth. Throws InputError if the truth does not overlap
-/// with the session in time.
+/// APE, RPE and KITTI's errors; null without truth. Figures for which the path is too short are
+/// null, too. Throws InputError if less than three key frames have a true pose.
 json::Json truth_figures(const ReportInput& input);
 
 json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio);

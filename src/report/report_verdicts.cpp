@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lidar_mapping/common/text.hpp"
+#include "lidar_mapping/evaluation/association.hpp"
 #include "lidar_mapping/pipeline/tracking_summary.hpp"
 
 #include "report_examination.hpp"
@@ -186,14 +187,19 @@ json::Json doubt_line(const json::Json& doubt) {
 }
 
 json::Json truth_line(const json::Json& truth) {
-  return line(
-      "Against the truth",
-      formatted("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
-                1000.0 * truth["ape_max_m"].get<double>()),
-      nullptr,
-      formatted("after rigid alignment; RPE over %.0f m %.1f mm, %.3f deg",
-                truth["rpe_delta_m"].get<double>(), 1000.0 * truth["rpe_rmse_m"].get<double>(),
-                truth["rpe_rmse_deg"].get<double>()));
+  const double delta = truth["rpe_delta_m"];
+  std::string note = "after rigid alignment; ";
+  note += truth["rpe_count"] == 0 ? formatted("no RPE: the path is shorter than %.0f m", delta)
+                                  : formatted("RPE over %.0f m %.1f mm, %.3f deg", delta,
+                                              1000.0 * truth["rpe_rmse_m"].get<double>(),
+                                              truth["rpe_rmse_deg"].get<double>());
+  const evaluation::LeftOut left_out{truth["left_out"]["outside"], truth["left_out"]["in_gaps"]};
+  const std::string reason = evaluation::reason_of(left_out, "the truth");
+  if (!reason.empty()) note += "; of the key frames " + reason;
+  return line("Against the truth",
+              formatted("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
+                        1000.0 * truth["ape_max_m"].get<double>()),
+              nullptr, note);
 }
 
 }  // namespace

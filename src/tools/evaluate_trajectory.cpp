@@ -42,11 +42,14 @@ struct Options {
   std::string plot;
 };
 
+/// Figures over no errors are null.
 Json to_json(const ErrorStatistics& statistics) {
-  return {{"rmse", statistics.rmse},
-          {"mean", statistics.mean},
-          {"median", statistics.median},
-          {"max", statistics.max}};
+  const auto figure = [&](double value) { return statistics.count == 0 ? Json() : Json(value); };
+  return {{"count", statistics.count},
+          {"rmse", figure(statistics.rmse)},
+          {"mean", figure(statistics.mean)},
+          {"median", figure(statistics.median)},
+          {"max", figure(statistics.max)}};
 }
 
 Json to_json(const PoseErrors& errors) {
@@ -92,21 +95,28 @@ Json evaluate(const Options& options, const std::vector<PosePair>& pairs) {
   const std::vector<double> lengths =
       options.lengths_m.empty() ? usual_segment_lengths(pairs) : options.lengths_m;
   const KittiErrors kitti = kitti_errors(pairs, lengths, options.step);
+  const auto of_kitti = [&](double value) { return kitti.segments == 0 ? Json() : Json(value); };
   return {{"poses", pairs.size()},
           {"length_m", travelled_distances(pairs).back()},
           {"ape", to_json(absolute_pose_error(pairs))},
           {"rpe", to_json(relative_pose_error(pairs, options.delta_m))},
           {"rpe_delta_m", options.delta_m},
           {"kitti",
-           {{"translation_percent", kitti.translation_percent},
-            {"rotation_deg_per_100m", kitti.rotation_deg_per_100m},
+           {{"translation_percent", of_kitti(kitti.translation_percent)},
+            {"rotation_deg_per_100m", of_kitti(kitti.rotation_deg_per_100m)},
             {"segments", kitti.segments},
             {"segment_lengths_m", kitti.lengths_m},
             {"start_step", options.step}}}};
 }
 
 void print(const Json& result) {
-  const auto row = [](const std::string& name, const Json& statistics, const char* unit) {
+  const double metres = result["rpe_delta_m"];
+  const std::string delta = metres > 0.0 ? formatted("%g m", metres) : "each step";
+  const auto row = [&](const std::string& name, const Json& statistics, const char* unit) {
+    if (statistics["count"] == 0) {
+      std::printf("%-24s the path is shorter than %s\n", name.c_str(), delta.c_str());
+      return;
+    }
     std::printf("%-24s rmse %9.4f  mean %9.4f  median %9.4f  max %9.4f  %s\n", name.c_str(),
                 statistics["rmse"].get<double>(), statistics["mean"].get<double>(),
                 statistics["median"].get<double>(), statistics["max"].get<double>(), unit);
@@ -115,8 +125,9 @@ void print(const Json& result) {
               result["length_m"].get<double>(), result["alignment"].get<std::string>().c_str());
   const double scale = result["scale"];
   scale == 1.0 ? std::printf("\n") : std::printf(", scale %.6f\n", scale);
-  const double metres = result["rpe_delta_m"];
-  const std::string delta = metres > 0.0 ? formatted("%g m", metres) : "each step";
+  const LeftOut left_out{result["left_out"]["outside"], result["left_out"]["in_gaps"]};
+  const std::string reason = reason_of(left_out, "the truth");
+  if (!reason.empty()) std::printf("left out: %s\n", reason.c_str());
   row("APE translation", result["ape"]["translation_m"], "m");
   row("APE rotation", result["ape"]["rotation_deg"], "deg");
   row("RPE translation, " + delta, result["rpe"]["translation_m"], "m");
@@ -159,11 +170,13 @@ void check(const Options& options) {
 }
 
 void run(const Options& options) {
-  std::vector<PosePair> pairs =
-      associate(read_trajectory(options.truth), read_trajectory(options.estimate));
+  const Trajectory truth = read_trajectory(options.truth);
+  const Trajectory estimate = read_trajectory(options.estimate);
+  const LeftOut counts = left_out(truth, estimate);
+  std::vector<PosePair> pairs = associate(truth, estimate);
   if (pairs.empty()) {
-    throw InputError("no pose of " + options.estimate + " lies within the time of " +
-                     options.truth + "; check the clocks of both");
+    throw InputError("no pose of " + options.estimate + " has a true one: " +
+                     reason_of(counts, options.truth) + "; " + remedy_for(counts));
   }
   pairs = moved_on_vehicle(pairs, lever_arm_of(options));
   const Alignment alignment = align(options, pairs);
@@ -171,6 +184,7 @@ void run(const Options& options) {
       pairs,
       {alignment.name != "none", !options.lever_arm.empty(), !options.lever_rotation_deg.empty()});
   Json result = evaluate(options, pairs);
+  result["left_out"] = {{"outside", counts.outside}, {"in_gaps", counts.in_gaps}};
   result["alignment"] = alignment.name;
   result["scale"] = alignment.scale;
   result["lever_arm_m"] = options.lever_arm;

@@ -179,6 +179,22 @@ TEST(Associate, NeverExtrapolatesNorBridgesGaps) {
   EXPECT_TRUE(associate(straight(10), estimate, 0.5).empty());
 }
 
+TEST(Associate, TellsWhatItLeavesOutAndWhy) {
+  Trajectory estimate;
+  for (const double seconds : {-0.5, 2.0, 2.5, 2.6, 9.0, 9.5}) {
+    estimate.poses.push_back({from_seconds(seconds), Pose::Identity()});
+  }
+  const LeftOut counts = left_out(straight(10), estimate);
+  EXPECT_EQ(counts.outside, 2U);
+  EXPECT_EQ(counts.in_gaps, 2U);
+  EXPECT_EQ(associate(straight(10), estimate).size(), 2U);
+  EXPECT_EQ(reason_of(counts, "the truth"),
+            "2 lie in gaps of the truth longer than 0.5 s, 2 lie before or after the truth");
+  EXPECT_EQ(remedy_for(counts), "give a denser trajectory");
+  EXPECT_EQ(remedy_for({2, 0}), "check the clocks of both");
+  EXPECT_EQ(reason_of({}, "the truth"), "");
+}
+
 TEST(Associate, RefusesUnequalLengthsWithoutStamps) {
   Trajectory estimate = straight(9);
   estimate.has_stamps = false;

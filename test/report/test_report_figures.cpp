@@ -252,7 +252,34 @@ TEST_F(ReportFigures, CompareWithTheTruthAfterAlignment) {
 TEST_F(ReportFigures, RefuseATruthOfAnotherTime) {
   Trajectory truth;
   for (int i = 0; i < 5; ++i) truth.poses.push_back({from_seconds(9e5 + i), Pose::Identity()});
-  EXPECT_THROW(truth_figures(report_input(session_, truth)), InputError);
+  const std::string problem =
+      test::error_text<InputError>([&] { truth_figures(report_input(session_, truth)); });
+  EXPECT_TRUE(holds(problem, "check the clocks of both")) << problem;
+}
+
+TEST_F(ReportFigures, SayThatATruthHasGaps) {
+  Trajectory truth;
+  for (int i = 0; i < 12; ++i) {
+    truth.poses.push_back({from_seconds(0.5 + i), Pose{{1, 0, 0, 0}, {i - 0.5, 0.0, 0.0}}});
+  }
+  const std::string problem =
+      test::error_text<InputError>([&] { truth_figures(report_input(session_, truth)); });
+  EXPECT_TRUE(holds(problem, "11 lie in gaps of the true trajectory longer than 0.5 s; give"))
+      << problem;
+}
+
+TEST_F(ReportFigures, GiveNoRelativeErrorForAPathThatIsTooShort) {
+  Trajectory truth;
+  for (std::size_t i = 0; i < 6; ++i) {
+    truth.poses.push_back({poses_.poses[i].stamp, poses_.poses[i].T_map_base});
+  }
+  const json::Json figures = truth_figures(report_input(session_, truth));
+  EXPECT_EQ(figures["poses"], 6);
+  EXPECT_EQ(figures["left_out"]["outside"], 5);
+  EXPECT_EQ(figures["rpe_count"], 0);
+  for (const char* name : {"rpe_rmse_m", "rpe_rmse_deg", "kitti_translation_percent"}) {
+    EXPECT_TRUE(figures[name].is_null()) << name;
+  }
 }
 
 TEST_F(ReportFigures, NameTheOriginOfTheMap) {

@@ -176,5 +176,25 @@ TEST(ReportVerdicts, AreSummedUp) {
   EXPECT_EQ(overall_verdict(report), "There is no map: the session has no key frames");
 }
 
+TEST(ReportVerdicts, SayWhatTheTruthDoesNotCover) {
+  json::Json report = good_report();
+  report["truth"] = {{"ape_rmse_m", 0.01},
+                     {"ape_max_m", 0.02},
+                     {"rpe_delta_m", 10.0},
+                     {"rpe_count", 0},
+                     {"rpe_rmse_m", nullptr},
+                     {"rpe_rmse_deg", nullptr},
+                     {"left_out", {{"outside", 0}, {"in_gaps", 7}}}};
+  EXPECT_EQ(entry(report, "Against the truth", "note"),
+            "after rigid alignment; no RPE: the path is shorter than 10 m; of the key frames 7 lie "
+            "in gaps of the truth longer than 0.5 s");
+  report["truth"]["rpe_count"] = 3;
+  report["truth"]["rpe_rmse_m"] = 0.0015;
+  report["truth"]["rpe_rmse_deg"] = 0.25;
+  report["truth"]["left_out"]["in_gaps"] = 0;
+  EXPECT_EQ(entry(report, "Against the truth", "note"),
+            "after rigid alignment; RPE over 10 m 1.5 mm, 0.250 deg");
+}
+
 }  // namespace
 }  // namespace lidar_mapping::report

@@ -168,6 +168,11 @@ TEST_F(BuildMap, PlacesKeyFramesWhereATrajectorySays) {
     return z;
   };
   EXPECT_NEAR(lowest(lifted), lowest(own) + 100.0F, 0.3F);
+  const std::size_t all = moved.poses.size();
+  moved.poses.resize(5);
+  std::ofstream(file) << to_tum(moved);
+  built({"--formats", "pcd", "--poses", file});
+  EXPECT_TRUE(has_said("only 5 of " + std::to_string(all) + " key frames have a pose: "));
   for (StampedPose& pose : moved.poses) pose.stamp += from_seconds(1e6);
   std::ofstream(file) << to_tum(moved);
   EXPECT_EQ(run("build_map", {whole(), "-o", folder_.path() / "none", "--poses", file}), 1);

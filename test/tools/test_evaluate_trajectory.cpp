@@ -163,6 +163,34 @@ TEST_F(EvaluateTrajectoryCommand, SaysOverWhatTheRelativeErrorIs) {
   EXPECT_TRUE(holds(output_of("--delta 0"), "RPE rotation, each step"));
 }
 
+// No error over ten metres was measured, which is not one of zero.
+TEST_F(EvaluateTrajectoryCommand, SaysThatThePathIsTooShortForTheRelativeError) {
+  Trajectory beginning = drive_;
+  beginning.poses.resize(5);
+  write(beginning, beginning);
+  const std::string said = output_of("--json" + file("figures.json"));
+  EXPECT_TRUE(holds(said, "RPE translation, 10 m    the path is shorter than 10 m"));
+  EXPECT_TRUE(holds(said, "APE translation          rmse    0.0000"));
+  const std::string figures = test::content_of(folder_.path() / "figures.json");
+  EXPECT_TRUE(holds(figures, "\"rmse\": null"));
+  EXPECT_TRUE(holds(figures, "\"translation_percent\": null"));
+}
+
+// A truth of 1 Hz is not interpolated.
+TEST_F(EvaluateTrajectoryCommand, SaysWhatLiesInGapsOfTheTruth) {
+  Trajectory sparse = drive_;
+  sparse.poses.clear();
+  for (std::size_t i = 10; i < drive_.poses.size(); i += 10)
+    sparse.poses.push_back(drive_.poses[i]);
+  write(sparse, drive_);
+  const std::string said = output_of("--json" + file("figures.json"));
+  EXPECT_TRUE(holds(said, "49 poses, "));
+  EXPECT_TRUE(
+      holds(said, "left out: 432 lie in gaps of the truth longer than 0.5 s, 19 lie before"));
+  EXPECT_TRUE(holds(test::content_of(folder_.path() / "figures.json"), "\"in_gaps\": 432"));
+  EXPECT_FALSE(holds((write(drive_, drive_), output_of("")), "left out"));
+}
+
 TEST_F(EvaluateTrajectoryCommand, AlignsByTheFirstPosesAlone) {
   Trajectory bent = drive_;
   for (std::size_t i = 100; i < bent.poses.size(); ++i) bent.poses[i].pose.translation.z() += 1.0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "lidar_mapping/common/trajectory.hpp"
@@ -14,11 +16,30 @@ struct PosePair {
   Pose estimate;    ///< in the frame of the estimated trajectory
 };
 
+/// Time between two poses up to which a pose is interpolated, s. Chosen: a vehicle changes its way
+/// within a second.
+constexpr double kLargestGap = 0.5;
+
 /// Pairs every estimate with the truth at its stamp, interpolated between two poses of the truth
-/// that are at most `largest_gap_s` apart; estimates outside of the truth are left out. If either
-/// trajectory has no stamps, line i goes with line i; throws InputError if their lengths differ.
+/// that are at most `largest_gap_s` apart; estimates in longer gaps and outside of the truth are
+/// left out. If either trajectory has no stamps, line i goes with line i; throws InputError if
+/// their lengths differ.
 std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estimate,
-                                double largest_gap_s = 0.5);
+                                double largest_gap_s = kLargestGap);
+
+/// How many estimates associate() leaves out, and why.
+struct LeftOut {
+  std::size_t outside = 0;  ///< before the first or after the last pose of the truth
+  std::size_t in_gaps = 0;  ///< between two poses of the truth that are too far apart
+};
+/// What associate() leaves out with gaps of kLargestGap; nothing of trajectories without stamps.
+LeftOut left_out(const Trajectory& truth, const Trajectory& estimate);
+/// In words, with a name for the truth: "129 lie in gaps of NAME longer than 0.5 s, 2 lie before or
+/// after NAME". Empty if nothing was left out.
+std::string reason_of(const LeftOut& left_out, const std::string& name);
+/// What a user may do: "give a denser trajectory" if any lie in gaps, else "check the clocks of
+/// both".
+std::string remedy_for(const LeftOut& left_out);
 
 /// The rigid motion T_truth_estimate that brings the estimated positions nearest to the true ones
 /// in the least-squares sense (Umeyama 1991, without scale). Positions on a line, as of a straight

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/evaluation/association.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
 #include "lidar_mapping/pipeline/session_marks.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
@@ -16,9 +17,6 @@
 namespace lidar_mapping::tools {
 
 namespace {
-
-/// s; poses further apart are not interpolated. Chosen: a vehicle changes its way within a second.
-constexpr double kLongestGap = 0.5;
 
 using map::MapConfig;
 using session::Session;
@@ -60,13 +58,22 @@ KeyFramePoses given_poses(const Session& session, const MapOutput& output) {
     throw InputError(output.poses + " has no stamps; give a TUM file");
   }
   KeyFramePoses placed;
+  Trajectory wanted;
   for (const KeyFrame& key_frame : session.key_frames()) {
-    const auto pose = pose_at(key_frame.stamp, trajectory, kLongestGap);
+    wanted.poses.push_back({key_frame.stamp, {}});
+    const auto pose = pose_at(key_frame.stamp, trajectory, evaluation::kLargestGap);
     if (pose) placed.poses.push_back({key_frame.index, key_frame.stamp, *pose});
   }
+  const evaluation::LeftOut left_out = evaluation::left_out(trajectory, wanted);
+  const std::string reason = evaluation::reason_of(left_out, output.poses);
   if (placed.poses.empty()) {
-    throw InputError(output.poses +
-                     " has no pose at the time of any key frame; is it of this drive?");
+    throw InputError("no key frame has a pose: " + reason + "; " +
+                     (left_out.in_gaps > 0 ? evaluation::remedy_for(left_out)
+                                           : std::string("is it of this drive?")));
+  }
+  if (!reason.empty()) {
+    std::cerr << "only " << placed.poses.size() << " of " << wanted.poses.size()
+              << " key frames have a pose: " << reason << '\n';
   }
   return placed;
 }
