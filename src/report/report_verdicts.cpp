@@ -122,6 +122,7 @@ json::Json scan_line(const json::Json& scans) {
   const std::size_t all = scans["scans"];
   const std::size_t dropped = scans["dropped"];
   const std::size_t tracked = scans["states"].value("tracking", std::size_t{0});
+  if (all == 0) return line("Scans", "none recorded", nullptr, "the map was not made of a drive");
   return line("Scans", formatted("%zu, %zu of them tracked", all, tracked),
               dropped == 0 && tracked == all, formatted("%zu dropped", dropped),
               "all tracked, none dropped");

@@ -196,5 +196,11 @@ TEST(ReportVerdicts, SayWhatTheTruthDoesNotCover) {
             "after rigid alignment; RPE over 10 m 1.5 mm, 0.250 deg");
 }
 
+TEST(ReportVerdicts, JudgeNoScansWhereNoneWereRecorded) {
+  json::Json report = good_report();
+  report["scans"] = {{"scans", 0}, {"dropped", 0}, {"states", json::Json::object()}};
+  EXPECT_TRUE(verdict_on(report, "Scans").is_null());
+}
+
 }  // namespace
 }  // namespace lidar_mapping::report
