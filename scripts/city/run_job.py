@@ -195,8 +195,10 @@ def aside(target):
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
-    old = target.parent / '.part' / (target.name + '.old')
+    # A folder of its own: in .part, another target could have any name that is made of this one's.
+    old = target.parent / '.old' / target.name
     shutil.rmtree(old, ignore_errors=True)
+    old.parent.mkdir(exist_ok=True)
     if target.exists():
         os.rename(target, old)
     os.rename(part, target)

@@ -16,6 +16,8 @@ import unittest
 sys.dont_write_bytecode = True
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
+sys.path.insert(0, str(HERE.parents[1] / 'scripts'))
+from city.run_job import aside  # noqa: E402
 from toy_programs import products_of, write_programs, write_project  # noqa: E402
 
 MAP_CITY = HERE.parents[1] / 'scripts' / 'map_city'
@@ -104,6 +106,18 @@ class Graph(MapCityTest):
         for options in (('--jobs', '0'), ('--job', 'map/zebra'), ('--programs', '/nowhere')):
             done = self.run_city(project, *options)
             self.assertEqual((done.returncode, done.stdout.count('\n')), (1, 1), done.stdout)
+
+
+class Aside(MapCityTest):
+    def test_what_is_replaced_is_in_nobodys_way(self):
+        day, other = self.folder / 'day', self.folder / 'day.old'
+        day.mkdir()
+        with aside(other) as part:
+            part.mkdir()
+            with aside(day) as new:
+                new.mkdir()
+            self.assertTrue(part.exists(), 'the other drive is still being mapped')
+        self.assertTrue(day.exists() and other.exists())
 
 
 class BadRecordings(MapCityTest):
