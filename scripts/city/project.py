@@ -29,6 +29,10 @@ RESOURCES = {
     'products': {'threads': 2, 'mem_mb': 4000, 'runtime': 600},
     'report': {'threads': 1, 'mem_mb': 1000, 'runtime': 60},
 }
+# Folders of the output that map_city fills: what else lies in them is replaced or removed.
+OWN_FOLDERS = ('jobs', 'drives', 'pairs', 'loops', 'city', 'products')
+# One of these is in an output from the first moment on that map_city works there.
+MARKS = ('jobs', '.lock')
 BAGS = ('.bag', '.db3', '.mcap', '.zstd')  # endings of what check_bag reads, of ROS 1 and 2
 NAME = re.compile(r'[A-Za-z0-9_][A-Za-z0-9_.-]*')
 
@@ -265,14 +269,35 @@ class ProjectReader:
                     raise given.wrong(key, 'write a whole number, at least 1')
         return result
 
+    def output(self):
+        """A folder that is new, empty or a city: in any other one, jobs would replace what is not theirs."""
+        remedy = 'name a folder that is new or empty, or the output of an earlier map_city'
+        path = self.absolute(self.top.get('output', str, 'city', remedy))
+        if path.exists() and not path.is_dir():
+            raise self.top.wrong('output', f'{path} is no folder; {remedy}')
+        if path.is_dir() and any(path.iterdir()) and not any((path / mark).exists() for mark in MARKS):
+            raise self.top.wrong('output', f'{path} holds other files; {remedy}')
+        return path
+
     def read(self):
-        output = self.top.get('output', str, 'city', 'write the path of a folder')
-        return Project(self.path.resolve(), self.absolute(output), self.drives(), {
+        output, drives = self.output(), self.drives()
+        check_places(drives, output)
+        return Project(self.path.resolve(), output, drives, {
             'datum': self.datum(),
             'config': self.existing(self.top, 'config', 'name a folder with back_end.yaml or loop_closing.yaml'),
             'map': self.map(),
             'reports': self.top.get('reports', bool, True, 'write true or false'),
             'resources': self.resources()})
+
+
+def check_places(drives, output):
+    """Throws for a recording in a folder of the city, whose jobs would remove it."""
+    own = [output / name for name in OWN_FOLDERS]
+    folders = {*own, *(folder.resolve() for folder in own)}
+    for path in (path for drive in drives for path in drive.paths):
+        if not folders.isdisjoint((path, *path.parents, path.resolve(), *path.resolve().parents)):
+            raise ProjectError(f'recordings: {str(path)!r}: lies in the city itself (output: {str(output)!r}), which '
+                               'replaces the files there; move it elsewhere, or name another output')
 
 
 def name_of(path):

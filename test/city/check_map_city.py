@@ -108,6 +108,24 @@ class Graph(MapCityTest):
             self.assertEqual((done.returncode, done.stdout.count('\n')), (1, 1), done.stdout)
 
 
+class ForeignFiles(MapCityTest):
+    def test_they_stay_where_they_are(self):
+        project = write_project(self.folder / 'one', THREE)
+        bag, precious = (self.folder / 'one' / name for name in ('drives/day1/p1.bag', 'products/precious.txt'))
+        for file in (bag, precious):
+            file.parent.mkdir(parents=True)
+            file.write_text('good')
+        project.write_text('recordings: [{path: drives/day1}]\noutput: .\n')
+        done = self.run_city(project)
+        self.assertEqual((done.returncode, done.stdout.count('\n')), (1, 1), done.stdout)
+        self.assertTrue(bag.exists() and precious.exists())
+
+    def test_a_report_marks_the_folder_as_a_city(self):
+        project = write_project(self.folder / 'one', THREE)
+        self.assertEqual(self.run_city(project, '--report').returncode, 0)
+        self.assertEqual(self.run_city(project).returncode, 0)
+
+
 class Aside(MapCityTest):
     def test_what_is_replaced_is_in_nobodys_way(self):
         day, other = self.folder / 'day', self.folder / 'day.old'

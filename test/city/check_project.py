@@ -104,6 +104,26 @@ class Mistakes(ProjectTest):
     def test_text_that_is_no_yaml(self):
         self.assertIn('is no YAML in line 3', self.error('recordings:\n  - path: [\n'))
 
+    def test_an_output_with_files_of_others(self):
+        one = 'recordings: [{path: monday/a.bag}]\n'
+        self.assertIn(f"output: '.': {self.folder} holds other files; name a folder that is new",
+                      self.error(one + 'output: .\n'))
+        self.assertIn('is no folder', self.error(one + 'output: monday/b.bag\n'))
+        (self.folder / 'city').mkdir()
+        self.assertEqual(self.read(one).output, self.folder / 'city', 'an empty one is good')
+        (self.folder / 'city/products').mkdir()
+        self.assertIn('holds other files', self.error(one))
+        (self.folder / 'city/jobs').mkdir()
+        self.assertEqual(self.read(one).output, self.folder / 'city', 'map_city has been there')
+
+    def test_a_recording_in_the_city_itself(self):
+        (self.folder / 'city/jobs').mkdir(parents=True)
+        (self.folder / 'monday').rename(self.folder / 'city/drives')
+        self.assertIn('lies in the city itself', self.error('recordings: [{path: city/drives/a.bag}]\n'))
+        self.assertIn('lies in the city itself', self.error('recordings: [{path: city/drives}]\n'))
+        (self.folder / 'link').symlink_to(self.folder / 'city/drives')
+        self.assertIn('lies in the city itself', self.error('recordings: [{path: link/a.bag}]\n'))
+
     def test_one_recording_twice(self):
         self.assertIn('give one of them a "name"', self.error('recordings: [{path: monday/a.bag}, {path: monday/*.bag}]\n'))
 
