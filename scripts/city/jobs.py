@@ -3,7 +3,8 @@
 
 A job leaves jobs/STAGE/NAME.json, its state, when all else that it makes is in place. The state holds a key
 made of its settings and of all its inputs; a job whose state has the present key is done and not run again.
-Beside it, jobs/STAGE/NAME.done is what the engine looks at.
+The keys alone judge. Snakemake sees only whether jobs/STAGE/NAME.done is there, which holds the key of the
+state, so those that the keys contradict are removed before it looks.
 """
 import contextlib
 import fcntl
@@ -106,6 +107,21 @@ class City:
     def is_up_to_date(self, stage, name):
         state = self.state(stage, name)
         return bool(state) and state['key'] == self.key(stage, name)
+
+    def settled(self):
+        """Jobs that are up to date, as are all that they need."""
+        found = set()
+        for job in self.jobs():
+            if found.issuperset(self.needed(*job)) and self.is_up_to_date(*job):
+                found.add(job)
+        return found
+
+    def forget_unsettled(self):
+        """Leaves the .done files of settled jobs alone, and none of jobs that there were once."""
+        kept = {self.done_file(*job) for job in self.settled()}
+        for file in (self.output / 'jobs').glob('*/*.done'):
+            if file not in kept:
+                file.unlink()
 
     def is_running(self, stage, name):
         """Whether a process of this machine holds the lock of the job."""

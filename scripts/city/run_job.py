@@ -57,7 +57,7 @@ class JobRun:
             fcntl.flock(self.lock, fcntl.LOCK_EX)
             if not self.city.is_up_to_date(self.stage, self.name):
                 self._run_anew()
-            self.city.done_file(self.stage, self.name).touch()
+            self.city.done_file(self.stage, self.name).write_text(self.city.state(self.stage, self.name)['key'] + '\n')
 
     def _run_anew(self):
         key = self.city.key(self.stage, self.name)

@@ -37,10 +37,11 @@ def cluster_arguments(cluster):
 
 def run(city, command, cluster, workers):
     """Runs what is not done; the exit status of Snakemake."""
+    city.forget_unsettled()
     words = ['snakemake', '--snakefile', str(FOLDER / 'Snakefile'), '--directory', str(city.output),
              '--config', f'project={city.project.path}', f'command={command}', '--keep-going', '--rerun-incomplete',
              # map_city has a lock of its own, which ends with its process.
-             '--nolock', '--rerun-triggers', 'mtime', 'params', '--printshellcmds']
+             '--nolock', '--rerun-triggers', 'mtime', '--printshellcmds']
     words += cluster_arguments(cluster)
     words += ['--jobs', str(workers)] if cluster else ['--cores', str(workers)]
     return subprocess.run(words).returncode

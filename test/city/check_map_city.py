@@ -17,6 +17,8 @@ sys.dont_write_bytecode = True
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.path.insert(0, str(HERE.parents[1] / 'scripts'))
+from city.jobs import City  # noqa: E402
+from city.project import read_project  # noqa: E402
 from city.run_job import aside  # noqa: E402
 from toy_programs import products_of, write_programs, write_project  # noqa: E402
 
@@ -138,6 +140,36 @@ class Aside(MapCityTest):
         self.assertTrue(day.exists() and other.exists())
 
 
+class DoneFiles(MapCityTest):
+    """What Snakemake takes for done."""
+    def done_after(self, change, more=''):
+        output = self.city('one', THREE)
+        change(self.folder / 'one/bags')
+        city = City(read_project(write_project(self.folder / 'one', {}, more)))
+        city.forget_unsettled()
+        return sorted(str(file.relative_to(output / 'jobs'))[:-5] for file in output.glob('jobs/*/*.done'))
+
+    def test_they_hold_the_key(self):
+        output = self.city('one', THREE)
+        for job in ('map/a', 'report/city'):
+            self.assertIn((output / f'jobs/{job}.done').read_text().strip(), (output / f'jobs/{job}.json').read_text())
+
+    def test_those_of_a_city_that_is_done_stay(self):
+        self.assertEqual(len(self.done_after(lambda bags: None)), 3 + 3 + 1 + 2 + 3)
+
+    def test_that_of_a_changed_drive_goes_with_all_behind_it(self):
+        self.assertEqual(self.done_after(lambda bags: (bags / 'c.bag').write_text('good but longer')),
+                         ['check/a', 'check/b', 'map/a', 'map/b'])
+
+    def test_those_of_a_drive_that_is_gone_go(self):
+        self.assertEqual(self.done_after(lambda bags: (bags / 'c.bag').unlink()), ['check/a', 'check/b', 'map/a', 'map/b'])
+
+    def test_other_settings_count(self):
+        before_join = self.done_after(lambda bags: None, 'datum: [49, 8, 100]\n')
+        self.assertEqual([job for job in before_join if not job.startswith(('check/', 'map/'))],
+                         ['loops/a--b--000', 'loops/b--c--000', 'pairs/city'])
+
+
 class BadRecordings(MapCityTest):
     BAD = {**THREE, 'd': 'empty', 'e': 'crash', 'f': 'unreadable'}
 
@@ -256,6 +288,53 @@ class Snakemake(MapCityTest):
         done = self.run_city(self.folder / 'one/project.yaml', engine=None)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertEqual(self.commands(), [])
+
+    def changed(self, change, *, local=False):
+        """Commands that a run has for a change of a city that is done; it is then done again."""
+        project = write_project(self.folder / 'one', THREE)
+        engine = '--local' if local else None
+        self.assertEqual(self.run_city(project, engine=engine).returncode, 0)
+        self.commands()
+        change(project)
+        done = self.run_city(project, engine=None)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        commands = [line.split()[0] if line.split()[0] != 'join_drives' else line.split()[1] for line in self.commands()]
+        self.assertNotIn('waiting', self.run_city(project, '--status').stdout)
+        return commands
+
+    def test_a_recording_that_is_gone_leaves_the_city(self):
+        commands = self.changed(lambda project: (project.parent / 'bags/c.bag').unlink())
+        self.assertEqual(commands, ['pairs', 'graph', 'build_map', 'map_quality'])
+        self.assertNotIn('good 3', (self.folder / 'one/out/city/graph').read_text())
+
+    def test_an_older_recording_is_another_one(self):
+        def replace(project):
+            bag = project.parent / 'bags/c.bag'
+            bag.write_text('good but older')
+            os.utime(bag, (1e9, 1e9))
+        self.assertIn('map_bag', self.changed(replace))
+
+    def test_the_content_of_configuration_counts(self):
+        def configure(text):
+            (self.folder / 'one').mkdir(exist_ok=True)
+            (self.folder / 'one/back_end.yaml').write_text(text)
+            return write_project(self.folder / 'one', THREE, 'config: back_end.yaml\n')
+        self.assertEqual(self.run_city(configure('a: 1'), engine=None).returncode, 0)
+        self.commands()
+        project = configure('a: 2')
+        self.assertEqual(self.run_city(project, engine=None).returncode, 0)
+        self.assertEqual(sum(' loops ' in line for line in self.commands()), 2)
+
+    def test_settings_of_a_city_of_the_local_engine_count(self):
+        commands = self.changed(lambda project: write_project(project.parent, THREE, 'datum: [49, 8, 100]\n'), local=True)
+        self.assertEqual(commands, ['graph', 'build_map', 'map_quality'])
+
+    def test_it_goes_on_behind_a_job_of_a_run_that_was_killed(self):
+        def map_again(project):
+            (project.parent / 'bags/c.bag').write_text('good but longer')
+            for job in ('check/c', 'map/c'):
+                self.assertEqual(self.run_city(project, '--job', job).returncode, 0)
+        self.assertIn('pairs', self.changed(map_again))
 
     def test_a_submitting_command(self):
         project = write_project(self.folder / 'one', THREE)
