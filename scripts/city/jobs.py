@@ -143,6 +143,10 @@ class City:
         state = self.state('pairs', WHOLE)
         return state['chunks'] if state and 'chunks' in state else []
 
+    def searched(self):
+        """Chunks whose loops are found. Of any other one, there may be loops of an earlier run."""
+        return [chunk for chunk in self.chunks() if self.result('loops', chunk) == 'done']
+
     def drives_of(self, chunk):
         content = read_json(self.chunk_file(chunk)) or {}
         return [content[side] for side in ('a', 'b') if side in content]
@@ -197,7 +201,7 @@ class City:
     def _join_inputs(self, _name):
         return [self.project.settings['datum'], self._config(),
                 [(drive, self.key('map', drive)) for drive in self.mapped()],
-                [(chunk, digest_of_file(self.loops_file(chunk))) for chunk in self.chunks()]]
+                [(chunk, digest_of_file(self.loops_file(chunk))) for chunk in self.searched()]]
 
     def _products_inputs(self, name):
         return [self.project.settings['map'], self.project.settings['reports'], self.key('join', name),

@@ -63,12 +63,18 @@ def products(city):
     return sorted(str(path.relative_to(city.output)) for path in city.products.iterdir())
 
 
+def of_earlier_run(city):
+    """A line for each folder that stayed as it was, since the job that would replace it has no good result."""
+    return [f'{folder.name}: is still that of an earlier run' for stage, folder in
+            (('join', city.joined), ('products', city.products)) if folder.exists() and city.result(stage, WHOLE) != 'done']
+
+
 def problems(city):
-    """A line for each drive that is not wholly in the city or in doubt, and for each job that failed."""
+    """A line for each drive that is not wholly in the city or in doubt, each job that failed, and what is old."""
     found = figures(city)
     lines = [f'{drive["name"]}: {drive["result"]}' + (f': {"; ".join(drive["reasons"])}' if drive['reasons'] else '')
              for drive in found['drives'] if drive['result'] != 'joined' or drive['reasons']]
-    return lines + [f'{job["job"]}: failed: {job["reason"]}' for job in found['failed_jobs']]
+    return lines + [f'{job["job"]}: failed: {job["reason"]}' for job in found['failed_jobs']] + of_earlier_run(city)
 
 
 def read_positions(path):
@@ -158,6 +164,7 @@ def page(city, found):
     files = ''.join(f'<li>{link(city, path, path)}</li>' for path in found['products']) or '<li>none yet</li>'
     failed = ''.join(f'<p class="bad">{html.escape(job["job"])}: {html.escape(str(job["reason"]))}</p>'
                      for job in found['failed_jobs'])
+    failed += ''.join(f'<p class="bad">{html.escape(line)}</p>' for line in of_earlier_run(city))
     return f'''<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>City: {html.escape(city.output.name)}</title><style>{STYLE}</style></head>
 <body><h1>{html.escape(city.output.name)}</h1>

@@ -151,7 +151,7 @@ class JobRun:
 
     def _join(self):
         self._need('pairs')
-        chunks = set(self.city.chunks())
+        chunks = set(self.city.searched())
         loops = self.city.output / 'loops'
         loops.mkdir(exist_ok=True)
         for file in loops.glob('*.json'):

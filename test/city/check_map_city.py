@@ -216,6 +216,34 @@ class BadRecordings(MapCityTest):
         self.assertEqual(self.run_city(project).returncode, 0)
 
 
+class LeftOvers(MapCityTest):
+    """What an earlier run has left where a job fails now."""
+    def test_its_loops_are_not_joined(self):
+        output = self.city('one', THREE)
+        project = write_project(self.folder / 'one', {**THREE, 'c': 'good but longer'})
+        done = self.run_city(project, TOY_FAILS='loops')
+        self.assertEqual(done.returncode, 4, done.stdout)
+        self.assertEqual([file.stem for file in (output / 'loops').glob('*.json')], ['a--b--000'])
+        self.assertNotIn('"b": "c"', (output / 'city/graph').read_text())
+        self.assertEqual(self.run_city(project, '--retry-failed').returncode, 0)
+        self.assertIn('"b": "c"', (output / 'city/graph').read_text())
+
+    def test_its_products_stay_and_are_called_so(self):
+        output = self.city('one', THREE)
+        for fails, old in (('build_map', ['products']), ('graph', ['city', 'products'])):
+            project = write_project(self.folder / 'one', {**THREE, 'c': f'good without {fails}'})
+            done = self.run_city(project, TOY_FAILS=fails)
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertEqual((output / 'products/map.png').read_text().count('good 3'), 1)
+            page = (output / 'report.html').read_text()
+            for name in ('city', 'products'):
+                for text in (done.stdout, page):
+                    self.assertEqual(f'{name}: is still that of an earlier run' in text, name in old, text)
+        done = self.run_city(project, '--retry-failed')
+        self.assertNotIn('earlier run', done.stdout)
+        self.assertNotIn('earlier run', (output / 'report.html').read_text())
+
+
 class Kills(MapCityTest):
     def kill_somewhere(self, words, generator, environment):
         """Starts a run and kills one or all of its processes; False if it ended before."""

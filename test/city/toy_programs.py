@@ -15,6 +15,8 @@ def text(*paths):
 with open(os.environ['TOY_LOG'], 'a') as log:
     log.write(' '.join([program] + words) + chr(10))
 time.sleep(float(os.environ.get('TOY_SECONDS', '0')))
+if os.environ.get('TOY_FAILS') in (program, words[0]):
+    sys.exit(program + ': the disk is full')
 if program == 'check_bag':
     if 'unreadable' in text(words[0]):
         print('check_bag: this is no bag; record it again')
