@@ -139,9 +139,9 @@ class City:
         return [drive for drive in self.project.drives if self.result('map', drive) == 'done']
 
     def chunks(self):
-        """Chunks of the loop search; nothing until the pairs are found."""
-        state = self.state('pairs', WHOLE)
-        return state['chunks'] if state and 'chunks' in state else []
+        """Chunks of the loop search, as the pairs were found last, but of no drive that has left the project."""
+        found = (self.state('pairs', WHOLE) or {}).get('chunks', [])
+        return [chunk for chunk in found if self.project.drives.keys() >= set(self.drives_of(chunk))]
 
     def searched(self):
         """Chunks whose loops are found. Of any other one, there may be loops of an earlier run."""

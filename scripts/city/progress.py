@@ -3,7 +3,7 @@
 import collections
 import statistics
 
-from city.jobs import read_json
+from city.jobs import WHOLE, read_json
 from city.project import STAGES
 
 
@@ -69,6 +69,6 @@ def table(city):
         if status in ('failed', 'refused') and state:
             lines.append(f'           {state["reason"]}')
     lines.append(summary(statuses))
-    if not city.state('pairs', 'city'):
-        lines.append('the chunks of the loop search are known when the pairs are')
+    if statuses['pairs', WHOLE] in ('waiting', 'running'):
+        lines.append('all chunks of the loop search are known when the pairs are')
     return lines

@@ -101,6 +101,18 @@ class Graph(MapCityTest):
         self.assertEqual(self.commands(), [])
         self.assertFalse((self.folder / 'one/out').exists())
 
+    def test_a_drive_that_is_gone_takes_its_chunks_along(self):
+        self.city('one', THREE)
+        (self.folder / 'one/bags/c.bag').unlink()
+        project = self.folder / 'one/project.yaml'
+        status, plan = (self.run_city(project, option).stdout for option in ('--status', '--dry-run'))
+        self.assertNotIn('b--c', status + plan)
+        self.assertIn('all chunks of the loop search are known when the pairs are', status)
+        self.assertIn('loops/... (known when the pairs are)', plan)
+        ended = self.run_city(write_project(self.folder / 'one', {'b': 'killed'}))
+        self.assertEqual(ended.returncode, 3, ended.stdout)
+        self.assertIn('start it again to go on', ended.stdout)
+
     def test_mistakes_are_one_line(self):
         done = self.run_city(self.folder / 'none.yaml')
         self.assertEqual((done.returncode, done.stdout.count('\n')), (1, 1))
