@@ -126,7 +126,8 @@ def drive_row(city, number, drive):
     loops = f'{drive["loops_used"]} used, {drive["loops_refused"]} refused' if 'loops_used' in drive else ''
     notes = ''.join(f'<br>{html.escape(reason)}' for reason in drive['reasons'])
     if drive['faults']:
-        notes += f'<br><span class="grey">input check: {html.escape("; ".join(drive["faults"]))}</span>'
+        lines = '<br>'.join(html.escape(line) for line in ('input check:', *drive['faults']))
+        notes += f'<br><span class="grey">{lines}</span>'
     return (f'<tr><td><span style="color:{colour_of(number)}">&#9632;</span> '
             f'{link(city, f"drives/{name}/report.html", name)}</td>'
             f'<td><span class="{"good" if good else "bad"}">{html.escape(drive["result"])}</span>{notes}</td>'

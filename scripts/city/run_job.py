@@ -25,6 +25,7 @@ LAST_LINES = 8  # of the log, in the state and the report of a job that failed
 UNREADABLE = 2  # exit status of check_bag
 STOPPED = (3, 130)  # exit status of map_bag and of shells: ended by Ctrl-C
 DOUBTFUL = 4  # exit status of map_bag: parts of the map cannot be trusted
+FAULT = re.compile(r'\s+(FAULT|WARNING|remedy:) ')  # how lines of check_bag begin that say what is wrong
 ESCAPES = re.compile(r'\x1b\[[0-9;]*[A-Za-z]')
 
 
@@ -82,10 +83,13 @@ class JobRun:
             'seconds': round(seconds, 2), 'processor_seconds': round(usage.ru_utime + usage.ru_stime, 2),
             'memory_mb': usage.ru_maxrss // 1024, 'host': socket.gethostname()})
 
-    def last_lines(self):
+    def lines(self):
         text = self.city.log_file(self.stage, self.name).read_text(errors='replace')
         lines = [ESCAPES.sub('', line.split('\r')[-1]).rstrip() for line in text.splitlines()]
-        return [line for line in lines if line][-LAST_LINES:]
+        return [line for line in lines if line]
+
+    def last_lines(self):
+        return self.lines()[-LAST_LINES:]
 
     def command(self, program, *words, good=(0,)):
         """Runs a command of the package with its output in the log; its status, if that is good."""
@@ -111,7 +115,7 @@ class JobRun:
         status = self.command('check_bag', *drive.paths, *drive.check_arguments(), good=(0, 1, UNREADABLE))
         if status == UNREADABLE:
             return 'refused', self.last_lines()[-1]
-        self.extra['faults'] = [line.strip() for line in self.last_lines()[1:]] if status == 1 else []
+        self.extra['faults'] = faults_in(self.lines())
         return None
 
     def _map(self):
@@ -182,6 +186,21 @@ class JobRun:
     def _need(self, stage):
         if self.city.result(stage, WHOLE) != 'done':
             raise JobFailed(f'{stage} has no result: {(self.city.state(stage, WHOLE) or {}).get("reason")}')
+
+
+def faults_in(lines):
+    """All that check_bag calls a fault or a warning, with remedies, behind the line of the input that has them."""
+    found = []
+    of_input = None
+    for line in lines:
+        if not FAULT.match(line):
+            of_input = line
+            continue
+        if of_input is not None:
+            found.append(of_input)
+            of_input = None
+        found.append(line.strip())
+    return found
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds scripts/map_city with commands that take no time: which jobs run, what is done again, bad recordings,
 kills at any moment, and the same through Snakemake where that is installed."""
+import json
 import os
 import pathlib
 import random
@@ -218,6 +219,18 @@ class BadRecordings(MapCityTest):
         done = self.run_city(write_project(self.folder / 'bad', {**THREE, 'd': 'doubtful'}))
         self.assertEqual(done.returncode, 4)
         self.assertIn('d: joined: parts of its own map cannot be trusted', done.stdout)
+
+    def test_all_faults_of_the_input_are_named_and_nothing_else(self):
+        output = self.city('bad', {'a': 'good', 'f': 'faulty'})
+        expected = []
+        for sensor in ('imu', 'gnss'):
+            expected.append(f'{sensor:<10}/{sensor}: 100 Hz')
+            for number in range(3):
+                expected += [f'FAULT   {sensor} {number} is wrong', f'remedy: mend {number}']
+        drives = json.loads((output / 'report.json').read_text())['drives']
+        self.assertEqual([drive['faults'] for drive in drives], [[], expected])
+        for line in expected:
+            self.assertIn(line, (output / 'report.html').read_text())
 
     def test_a_job_that_is_killed_has_no_result(self):
         project = write_project(self.folder / 'bad', {**THREE, 'd': 'killed'})

@@ -21,6 +21,14 @@ if program == 'check_bag':
     if 'unreadable' in text(words[0]):
         print('check_bag: this is no bag; record it again')
         sys.exit(2)
+    if 'faulty' in text(words[0]):
+        print('points    /points: 10 Hz')
+        for sensor in ('imu', 'gnss'):
+            print(f'{sensor:<10}/{sensor}: 100 Hz')
+            for number in range(3):
+                print(f'  FAULT   {sensor} {number} is wrong' + chr(10) + f'           remedy: mend {number}')
+        print('velocity  /velocity: 100 Hz')
+        sys.exit(1)
 elif program == 'map_bag':
     content = text(words[0])
     if 'empty' in content:
