@@ -98,21 +98,22 @@ class Drive:
     def topic_arguments(self):
         return [word for topic, name in sorted(self.settings['topics'].items()) for word in (f'--{topic}', name)]
 
-    def map_arguments(self):
-        """Settings as arguments of map_bag. Those of the calibration come last and win."""
+    def arguments(self, keys):
         words = []
-        for key in ('config', 'sensor', 'preset', 'start', 'duration'):
+        for key in keys:
             if self.settings[key] is not None:
                 words += [f'--{key}', str(self.settings[key])]
         for parameter in self.settings['parameters'] + self.settings['calibration']:
             words += ['--parameter', parameter]
         return words + self.topic_arguments()
 
+    def map_arguments(self):
+        """Settings as arguments of map_bag. Those of the calibration come last and win."""
+        return self.arguments(('config', 'sensor', 'preset', 'start', 'duration'))
+
     def check_arguments(self):
-        config = self.settings['config']
-        has_stage = config is not None and (
-            config.is_file() or (config / 'preprocessing.yaml').is_file())
-        return (['--config', str(config)] if has_stage else []) + self.topic_arguments()
+        """The same for check_bag, which looks at the whole recording."""
+        return self.arguments(('config', 'sensor', 'preset'))
 
     def is_bags(self):
         """False for a folder of scans, which check_bag cannot read."""

@@ -7,24 +7,22 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 
 #include "bag_paths.hpp"
 #include "command_line/run_command.hpp"
-#include "parameters/config_path.hpp"
+#include "parameters/stage_files.hpp"
 #include "recording/drive_arguments.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
-using preprocessing::PreprocessingConfig;
 
 struct Options {
   std::vector<std::string> bags;
-  std::string config;
-  std::string base_frame = "base_link";
+  tools::ParameterSources parameters;
+  std::string base_frame;  ///< empty: that of the parameters
   ros_border::SensorTopics topics;
 };
 
@@ -32,9 +30,9 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("bags", options.bags,
                  "bags of one drive (ROS 1, or .db3 or .mcap of ROS 2), or a folder of them")
       ->required();
-  app.add_option("--config", options.config,
-                 std::string(tools::kConfigHelp) + "; the parameters to judge by");
-  app.add_option("--base-frame", options.base_frame, "frame of the vehicle")->capture_default_str();
+  tools::add_parameter_options(app, options.parameters);
+  app.add_option("--base-frame", options.base_frame,
+                 "frame of the vehicle; that of the parameters if left out");
   tools::add_topic_options(app, options.topics);
 }
 
@@ -49,17 +47,15 @@ void print(const preprocessing::InputReport& report, const std::string& topic) {
 
 /// Prints a line for each input and its faults; true if there are no faults.
 bool run(const Options& options) {
-  const std::string file = tools::only_stage_file(options.config, "preprocessing");
-  const PreprocessingConfig config =
-      file.empty() ? PreprocessingConfig() : config::load_file<PreprocessingConfig>(file);
+  const tools::StageFiles stages = tools::read_stage_files(options.parameters);
   const ros_border::BagSet bags(recordings::with_bags_of_folders(options.bags));
   ros_border::RecordingCheck recording;
   recording.bags = &bags;
-  recording.base_frame = options.base_frame;
+  recording.base_frame = options.base_frame.empty() ? stages.base_frame : options.base_frame;
   recording.topics = ros_border::topics_in(bags, options.topics);
   const std::vector<std::string> topics = recording.topics.by_sensor();
   std::size_t diagnostics = 0, index = 0;
-  for (const auto& report : ros_border::check(recording, config)) {
+  for (const auto& report : ros_border::check(recording, stages.pipeline.preprocessing)) {
     print(report, topics[index++]);
     diagnostics += report.diagnostics.size();
   }
@@ -71,7 +67,9 @@ bool run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Checks the sensors' messages in bags and reports faults with their remedies"};
-  app.footer("Ends with 0 if nothing is wrong, 1 if something is, 2 if a bag cannot be read.");
+  app.footer(
+      "The parameters are those that map_bag would get: what they mend is no fault any more. Ends "
+      "with 0 if nothing is wrong, 1 if something is, 2 if a bag cannot be read.");
   add_arguments(app, options);
   return tools::run_command(
       app, argc, argv, [&] { return run(options) ? 0 : 1; }, 2);

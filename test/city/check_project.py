@@ -63,6 +63,15 @@ class Meaning(ProjectTest):
                          ['--parameter', 'map/a: 1', '--parameter', 'preprocessing/lidar_position: [1.0, 0.0, 1.8]',
                           '--parameter', 'preprocessing/scan_period: 0.1'])
 
+    def test_the_check_judges_by_the_settings_of_the_map(self):
+        (self.folder / 'front_end.yaml').touch()
+        (self.folder / 'cal.yaml').write_text('preprocessing: {imu_acceleration_unit: G}\n')
+        project = self.read('recordings:\n  - {path: monday/a.bag, start: 5, duration: 3, config: front_end.yaml, sensor: vlp16, '
+                            'preset: indoor, calibration: cal.yaml, parameters: ["map/a: 1"], topics: {imu: /imu}}\n')
+        self.assertEqual(project.drives['a'].check_arguments(),
+                         ['--config', str(self.folder / 'front_end.yaml'), '--sensor', 'vlp16', '--preset', 'indoor',
+                          '--parameter', 'map/a: 1', '--parameter', 'preprocessing/imu_acceleration_unit: G', '--imu', '/imu'])
+
     def test_resources_keep_what_is_not_given(self):
         project = self.read('recordings: [{path: monday/a.bag}]\nresources: {map: {mem_mb: 9000}}\n')
         self.assertEqual(project.resources('map')['mem_mb'], 9000)

@@ -124,6 +124,21 @@ TEST_F(MapBag, TakesSingleParameters) {
   EXPECT_TRUE(holds(in_force, "key_frame_distance: 3"));
 }
 
+TEST_F(MapBag, TakesParametersThatCheckBagJudgesBy) {
+  const std::string bag = folder_.path() / "imu_in_g.bag",
+                    front_end = folder_.path() / "front_end.yaml";
+  ASSERT_EQ(
+      run("simulate_drive", {bag, "--lidar", "vlp16", "--duration", "8", "--fault", "imu_in_g"}),
+      0);
+  EXPECT_EQ(run("check_bag", {bag}), 1);
+  EXPECT_TRUE(has_said("remedy: set imu_acceleration_unit to G"));
+  const Words remedy = {"--parameter", "preprocessing/imu_acceleration_unit: G"};
+  EXPECT_EQ(run("check_bag", joined({bag, "--sensor", "vlp16"}, remedy)), 0);
+  std::ofstream(front_end) << "key_frame_distance: 3\n";
+  EXPECT_EQ(run("check_bag", joined({bag, "--config", front_end}, remedy)), 0)
+      << "it says nothing about preprocessing";
+}
+
 TEST_F(MapBag, TakesAFolderOfBags) {
   fs::create_directory(folder_.path() / "bags");
   fs::create_hard_link(bag(), folder_.path() / "bags" / "drive_0.bag");

@@ -40,7 +40,8 @@ TEST_P(Mistakes, AreAnswered) {
 const Mistake kMistakes[] = {
     {"check_bag", {"FOLDER"}, "it is a folder"},
     {"check_bag", {"FILE"}, "it is no bag"},
-    {"check_bag", {"FILE", "--config", "FOLDER"}, "there is no preprocessing.yaml in"},
+    {"check_bag", {"FILE", "--config", "FOLDER"}, "there is no <stage>.yaml in"},
+    {"check_bag", {"FILE", "--sensor", "vlp61"}, "no sensor vlp61 in"},
     {"check_bag", {"FILE", "--config", "missing"}, "no folder or file missing"},
     {"map_bag", {"FILE", "-o", "FOLDER", "--config", "FOLDER"}, "there is no <stage>.yaml in"},
     {"map_bag", {"FILE", "-o", "FOLDER", "--config", "FILE"}, "there is no <stage>.yaml in"},

@@ -10,6 +10,18 @@
 
 namespace lidar_mapping::tools {
 
+void add_parameter_options(CLI::App& app, ParameterSources& parameters) {
+  app.add_option("--config", parameters.config,
+                 std::string(kConfigHelp) + "; defaults if left out");
+  app.add_option("--sensor", parameters.overlay,
+                 "overlay of parameters: a name in config/sensors, or the path of a file");
+  app.add_option("--preset", parameters.preset,
+                 "overlay for the kind of place: a name in config/presets, or the path of a file");
+  app.add_option("--parameter", parameters.parameters,
+                 "a single one, as 'stage/name: value' (repeatable)")
+      ->allow_extra_args(false);
+}
+
 void add_topic_options(CLI::App& app, ros_border::SensorTopics& topics) {
   app.add_option("--points", topics.points,
                  "topic (found by type if left out); of several LiDARs with commas, the main one "
@@ -20,15 +32,7 @@ void add_topic_options(CLI::App& app, ros_border::SensorTopics& topics) {
 }
 
 void add_drive_options(CLI::App& app, DriveArguments& arguments) {
-  app.add_option("--config", arguments.parameters.config,
-                 std::string(kConfigHelp) + "; defaults if left out");
-  app.add_option("--sensor", arguments.parameters.overlay,
-                 "overlay of parameters: a name in config/sensors, or the path of a file");
-  app.add_option("--preset", arguments.parameters.preset,
-                 "overlay for the kind of place: a name in config/presets, or the path of a file");
-  app.add_option("--parameter", arguments.parameters.parameters,
-                 "a single one, as 'stage/name: value' (repeatable)")
-      ->allow_extra_args(false);
+  add_parameter_options(app, arguments.parameters);
   add_topic_options(app, arguments.drive.topics);
   app.add_option("--sensor-height", arguments.drive.sensor_height,
                  "of folders: the LiDAR over base_link, m")

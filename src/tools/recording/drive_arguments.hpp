@@ -18,6 +18,8 @@ struct DriveArguments {
   int threads = 0;        ///< 0: all cores
 };
 
+/// Adds the sources of parameters as options.
+void add_parameter_options(CLI::App& app, ParameterSources& parameters);
 /// Adds the topics of a recording as options.
 void add_topic_options(CLI::App& app, ros_border::SensorTopics& topics);
 /// Adds all of them but the paths as options.
