@@ -4,6 +4,7 @@
 Every mistake is one line that names the key, the value and the remedy (ProjectError).
 """
 import glob
+import json
 import os
 import pathlib
 import re
@@ -33,6 +34,7 @@ RESOURCES = {
 OWN_FOLDERS = ('jobs', 'drives', 'pairs', 'loops', 'city', 'products')
 # One of these is in an output from the first moment on that map_city works there.
 MARKS = ('jobs', '.lock')
+NAMES_FILE = 'jobs/names.json'  # in the output: which names its recordings have got
 BAGS = ('.bag', '.db3', '.mcap', '.zstd')  # endings of what check_bag reads, of ROS 1 and 2
 NAME = re.compile(r'[A-Za-z0-9_][A-Za-z0-9_.-]*')
 
@@ -90,10 +92,20 @@ class Reader:
 class Drive:
     """A recording with its settings: the name, the files, and the arguments of map_bag."""
 
-    def __init__(self, name, paths, settings):
-        self.name = name
+    def __init__(self, given_name, paths, settings):
+        self.given_name = given_name
+        self.name = given_name  # without one, name_drives chooses it
         self.paths = paths
         self.settings = settings
+
+    def possible_names(self):
+        """Names that follow from the path: of the file alone, and with its folder before it."""
+        name = name_of(self.paths[0])
+        return [name, f'{name_of(self.paths[0].parent)}_{name}']
+
+    def recording(self, folder):
+        """Which recording this is: its paths as seen from the folder of the project."""
+        return '\n'.join(os.path.relpath(path, folder) for path in self.paths)
 
     def topic_arguments(self):
         return [word for topic, name in sorted(self.settings['topics'].items()) for word in (f'--{topic}', name)]
@@ -236,8 +248,8 @@ class ProjectReader:
             given = reader.get('name', str, None, 'write a word')
             if given is not None and (len(matches) > 1 or not NAME.fullmatch(given)):
                 raise reader.wrong('name', 'write one word of letters, digits, "_", "-" or "." for one drive')
-            drives += [Drive(given or name_of(paths[0]), paths, settings) for paths in matches]
-        return with_unique_names(drives)
+            drives += [Drive(given, paths, settings) for paths in matches]
+        return drives
 
     def datum(self):
         remedy = 'write [latitude, longitude, height] in degrees and m'
@@ -283,6 +295,7 @@ class ProjectReader:
     def read(self):
         output, drives = self.output(), self.drives()
         check_places(drives, output)
+        name_drives(drives, self.folder, read_names(output))
         return Project(self.path.resolve(), output, drives, {
             'datum': self.datum(),
             'config': self.existing(self.top, 'config', 'name a folder with back_end.yaml or loop_closing.yaml'),
@@ -307,19 +320,42 @@ def name_of(path):
     return name or 'drive'
 
 
-def with_unique_names(drives):
-    """Drives of the same name get that of their folder before it. Throws if that is not enough."""
-    names = [drive.name for drive in drives]
-    for drive in drives:
-        if names.count(drive.name) > 1:
-            drive.name = f'{name_of(drive.paths[0].parent)}_{drive.name}'
+def read_names(output):
+    """Names that recordings of a city have got before; nothing of a new one."""
+    try:
+        return json.loads((output / NAMES_FILE).read_text())
+    except (OSError, ValueError):
+        return {}
+
+
+def name_drives(drives, folder, names):
+    """Names drives that have no given name. A recording keeps that of `names`, so a new one changes none of a drive
+    that is mapped; others get that of their file or, where it is taken, that of their folder before it."""
+    check_names(drives, folder)
+    taken = {drive.name for drive in drives}
+    unnamed = [drive for drive in drives if drive.given_name is None]
+    for is_known in (True, False):
+        for drive in (drive for drive in unnamed if drive.name is None):
+            possible = drive.possible_names()
+            if is_known:
+                possible = [name for name in possible if name == names.get(drive.recording(folder))]
+            drive.name = next((name for name in possible if name not in taken), None)
+            taken.add(drive.name)
+    nameless = [drive for drive in unnamed if drive.name is None]
+    if nameless:
+        raise ProjectError(f'recordings: {str(nameless[0].paths[0])!r}: others are called '
+                           f'{" and ".join(nameless[0].possible_names())} already; give one of them a "name"')
+
+
+def check_names(drives, folder):
+    """Throws for a name that was given twice, and for a recording that is there twice without one."""
     seen = {}
     for drive in drives:
-        if drive.name in seen:
-            raise ProjectError(f'recordings: {str(drive.paths[0])!r}: is called {drive.name}, like '
-                               f'{str(seen[drive.name])!r}; give one of them a "name"')
-        seen[drive.name] = drive.paths[0]
-    return drives
+        key = (drive.given_name, None if drive.given_name else drive.recording(folder))
+        if key in seen:
+            what = f'is called {key[0]}, like {str(seen[key].paths[0])!r}' if drive.given_name else 'is there twice'
+            raise ProjectError(f'recordings: {str(drive.paths[0])!r}: {what}; give one of them another "name"')
+        seen[key] = drive
 
 
 class Project:
@@ -333,6 +369,10 @@ class Project:
 
     def resources(self, stage):
         return self.settings['resources'][stage]
+
+    def names(self):
+        """Chosen names by recording, for NAMES_FILE."""
+        return {drive.recording(self.path.parent): drive.name for drive in self.drives.values() if drive.given_name is None}
 
 
 def read_project(path):

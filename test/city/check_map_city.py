@@ -102,6 +102,23 @@ class Graph(MapCityTest):
         self.assertEqual(self.commands(), [])
         self.assertFalse((self.folder / 'one/out').exists())
 
+    def test_a_namesake_renames_no_drive_that_is_mapped(self):
+        def project(*days):
+            for day in days:
+                (self.folder / day).mkdir(exist_ok=True)
+                if not (self.folder / day / 'run.bag').exists():
+                    (self.folder / day / 'run.bag').write_text(f'good {day}')
+            path = self.folder / 'project.yaml'
+            path.write_text('output: out\nrecordings:\n' + ''.join(f'  - path: {day}/run.bag\n' for day in days))
+            return path
+        self.assertEqual(self.run_city(project('monday')).returncode, 0)
+        self.commands()
+        self.assertEqual(self.run_city(project('tuesday', 'monday')).returncode, 0)
+        self.assertNotIn('monday/run.bag', ' '.join(self.commands()))
+        sessions = {name: (self.folder / 'out/drives' / name / 'session').read_text() for name in ('run', 'tuesday_run')}
+        self.assertIn('good monday', sessions['run'])
+        self.assertIn('good tuesday', sessions['tuesday_run'])
+
     def test_a_drive_that_is_gone_takes_its_chunks_along(self):
         self.city('one', THREE)
         (self.folder / 'one/bags/c.bag').unlink()

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds scripts/city/project.py: what a project file means, and what each mistake in it is called."""
+import json
 import pathlib
 import sys
 import tempfile
@@ -44,9 +45,25 @@ class Meaning(ProjectTest):
         self.assertEqual(list(project.drives), ['whole'])
         self.assertEqual(len(project.drives['whole'].paths), 2)
 
-    def test_equal_names_get_that_of_their_folder(self):
+    def test_equal_names_get_that_of_their_folder_but_the_first(self):
         project = self.read('recordings:\n  - path: "*/*.bag"\n')
-        self.assertEqual(list(project.drives), ['monday_a', 'b', 'tuesday_a', 'c_d'])
+        self.assertEqual(list(project.drives), ['a', 'b', 'tuesday_a', 'c_d'])
+
+    def test_given_names_are_final(self):
+        for recordings, names in (('{path: monday/a.bag, name: a}, {path: tuesday/a.bag}', ['a', 'tuesday_a']),
+                                  ('{path: tuesday/a.bag}, {path: monday/a.bag, name: a}', ['tuesday_a', 'a']),
+                                  ('{path: monday/a.bag, name: day}, {path: monday/a.bag}', ['day', 'a'])):
+            self.assertEqual(list(self.read(f'recordings: [{recordings}]\n').drives), names)
+
+    def test_a_recording_keeps_its_name(self):
+        (self.folder / 'city/jobs').mkdir(parents=True)
+        (self.folder / 'city/jobs/names.json').write_text(json.dumps(
+            self.read('recordings: [{path: tuesday/*.bag}]\n').names()))
+        project = self.read('recordings: [{path: "*/*.bag"}]\n')
+        self.assertEqual(list(project.drives), ['monday_a', 'b', 'a', 'c_d'])
+        self.assertEqual(project.drives['a'].paths, [self.folder / 'tuesday/a.bag'])
+        project = self.read('recordings: [{path: monday/b.bag, name: a}, {path: tuesday/a.bag}]\n')
+        self.assertEqual(list(project.drives), ['a', 'tuesday_a'])
 
     def test_settings_of_a_recording_win_over_the_defaults(self):
         project = self.read('defaults: {sensor: vlp16, start: 2, topics: {gnss: /fix}}\n'
@@ -134,7 +151,15 @@ class Mistakes(ProjectTest):
         self.assertIn('lies in the city itself', self.error('recordings: [{path: link/a.bag}]\n'))
 
     def test_one_recording_twice(self):
-        self.assertIn('give one of them a "name"', self.error('recordings: [{path: monday/a.bag}, {path: monday/*.bag}]\n'))
+        self.assertIn('is there twice; give one of them another "name"',
+                      self.error('recordings: [{path: monday/a.bag}, {path: monday/*.bag}]\n'))
+
+    def test_one_name_twice(self):
+        self.assertIn(f"b.bag': is called day, like '{self.folder}/monday/a.bag'; give one of them another",
+                      self.error('recordings: [{path: monday/a.bag, name: day}, {path: monday/b.bag, name: day}]\n'))
+        self.assertIn('others are called a and monday_a already; give one of them',
+                      self.error('recordings: [{path: monday/a.bag}, {path: monday/b.bag, name: a}, '
+                                 '{path: tuesday/a.bag, name: monday_a}]\n'))
 
 
 if __name__ == '__main__':
