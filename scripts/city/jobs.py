@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 
-from city.project import STAGES
+from city.project import MARKS, STAGES
 
 # Part of every key; a greater number makes all jobs run again after the jobs themselves have changed.
 VERSION = 1
@@ -58,6 +58,10 @@ class City:
     def __init__(self, project):
         self.project = project
         self.output = project.output
+
+    def make_folder(self):
+        """Makes the folder, marked as that of a city."""
+        (self.output / MARKS[0]).mkdir(parents=True, exist_ok=True)
 
     # Where the files are.
     def state_file(self, stage, name):

@@ -33,7 +33,7 @@ RESOURCES = {
 # Folders of the output that map_city fills: what else lies in them is replaced or removed.
 OWN_FOLDERS = ('jobs', 'drives', 'pairs', 'loops', 'city', 'products')
 # One of these is in an output from the first moment on that map_city works there.
-MARKS = ('jobs', '.lock')
+MARKS = ('jobs/check', '.lock')
 NAMES_FILE = 'jobs/names.json'  # in the output: which names its recordings have got
 BAGS = ('.bag', '.db3', '.mcap', '.zstd')  # endings of what check_bag reads, of ROS 1 and 2
 NAME = re.compile(r'[A-Za-z0-9_][A-Za-z0-9_.-]*')

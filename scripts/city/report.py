@@ -183,7 +183,7 @@ def page(city, found):
 def write_report(city):
     """Writes report.json and report.html of what is there now."""
     found = figures(city)
-    (city.output / 'jobs').mkdir(parents=True, exist_ok=True)  # which marks the folder as a city
+    city.make_folder()
     write_json(city.output / 'report.json', found)
     part = city.output / f'.report.html.{os.getpid()}.part'
     part.write_text(page(city, found))

@@ -56,7 +56,7 @@ class Meaning(ProjectTest):
             self.assertEqual(list(self.read(f'recordings: [{recordings}]\n').drives), names)
 
     def test_a_recording_keeps_its_name(self):
-        (self.folder / 'city/jobs').mkdir(parents=True)
+        (self.folder / 'city/jobs/check').mkdir(parents=True)
         (self.folder / 'city/jobs/names.json').write_text(json.dumps(
             self.read('recordings: [{path: tuesday/*.bag}]\n').names()))
         project = self.read('recordings: [{path: "*/*.bag"}]\n')
@@ -137,13 +137,13 @@ class Mistakes(ProjectTest):
         self.assertIn('is no folder', self.error(one + 'output: monday/b.bag\n'))
         (self.folder / 'city').mkdir()
         self.assertEqual(self.read(one).output, self.folder / 'city', 'an empty one is good')
-        (self.folder / 'city/products').mkdir()
-        self.assertIn('holds other files', self.error(one))
         (self.folder / 'city/jobs').mkdir()
+        self.assertIn('holds other files', self.error(one))
+        (self.folder / 'city/jobs/check').mkdir(parents=True)
         self.assertEqual(self.read(one).output, self.folder / 'city', 'map_city has been there')
 
     def test_a_recording_in_the_city_itself(self):
-        (self.folder / 'city/jobs').mkdir(parents=True)
+        (self.folder / 'city/jobs/check').mkdir(parents=True)
         (self.folder / 'monday').rename(self.folder / 'city/drives')
         self.assertIn('lies in the city itself', self.error('recordings: [{path: city/drives/a.bag}]\n'))
         self.assertIn('lies in the city itself', self.error('recordings: [{path: city/drives}]\n'))
