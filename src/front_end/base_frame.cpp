@@ -6,6 +6,11 @@
 
 namespace lidar_mapping::front_end {
 
+void turn_axes(const Eigen::Quaterniond& R_new_old, UnevenTurning& turning) {
+  for (Eigen::Quaterniond& knot : turning.R_stamp_knot)
+    knot = R_new_old * knot * R_new_old.conjugate();
+}
+
 MotionPrior BaseFrame::of_sensor(const MotionPrior& prior, const Eigen::Vector3d& turning) const {
   const Eigen::Quaterniond R_sensor_base = T_base_sensor_.rotation.conjugate();
   MotionPrior result = prior;
@@ -18,11 +23,7 @@ MotionPrior BaseFrame::of_sensor(const MotionPrior& prior, const Eigen::Vector3d
         R_sensor_base * (*prior.linear_velocity + omega.cross(T_base_sensor_.translation));
     result.velocity_turning = R_sensor_base * omega;
   }
-  if (prior.uneven_turning) {
-    for (Eigen::Quaterniond& knot : result.uneven_turning->R_stamp_knot) {
-      knot = R_sensor_base * knot * T_base_sensor_.rotation;
-    }
-  }
+  if (prior.uneven_turning) turn_axes(R_sensor_base, *result.uneven_turning);
   if (prior.felt) {
     result.felt->mean = R_sensor_base * prior.felt->mean;
     result.felt->p_base_imu = T_base_sensor_.inverse() * prior.felt->p_base_imu;

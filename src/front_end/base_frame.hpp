@@ -7,6 +7,9 @@
 
 namespace lidar_mapping::front_end {
 
+/// Gives a rotation during a sweep in other axes: those that `R_new_old` turns its own into.
+void turn_axes(const Eigen::Quaterniond& R_new_old, UnevenTurning& turning);
+
 /// Converts between base_link, which all other parts of the package use, and the LiDAR's own frame,
 /// in which the odometry works. The odometry's origin is the first pose of the LiDAR. The choice of
 /// base_link has no influence on the odometry.

@@ -58,7 +58,7 @@ bool KeyFrameMaker::is_due(Stamp stamp, bool has_times, const TrackedScan& track
 
 PointCloud KeyFrameMaker::points_of(const PointCloud& cloud, const TrackedScan& tracked) {
   PointCloud points = thinned(cloud);
-  rotate_upwards(points, tracked.elevation_shift);
+  rotate_upwards(points, tracked.correction.elevation_shift);
   return points;
 }
 

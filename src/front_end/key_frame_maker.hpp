@@ -32,7 +32,7 @@ class KeyFrameMaker {
   /// have times, so that they can only be deskewed if the motion is known.
   bool is_due(Stamp stamp, bool has_times, const TrackedScan& tracked) const;
   /// The scan's points for a key frame before deskewing: thinned out, and rotated upwards by
-  /// TrackedScan::elevation_shift.
+  /// PointCorrection::elevation_shift.
   PointCloud points_of(const PointCloud& cloud, const TrackedScan& tracked);
   /// `points` is the result of points_of(); `tracker` knows the covariance of the motion.
   KeyFrame make(Stamp stamp, std::uint32_t segment, const TrackedScan& tracked, PointCloud points,

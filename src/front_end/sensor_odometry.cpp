@@ -48,14 +48,15 @@ FrontEndResult SensorOdometry::process(const Scan& received, const MotionPrior& 
   if (matches_scans_ && repeated_scans_.is_repeated(received.cloud) && tracked_)
     return coast(received.stamp);
   timer_.start("isolated points");
-  const bool gyro_corrected = keeps_gyro_correction(prior);
-  const std::optional<Scan> changed = with_right_times(received, prior, gyro_corrected);
+  const PointCorrection correction = correction_of(prior);
+  const std::optional<Scan> changed = changed_scan(received, prior, correction);
   const Scan& timed = changed ? *changed : received;
   const Scan& scan = matches_scans_ ? isolated_point_filter_.without_isolated_points(timed) : timed;
   timer_.stop();
   TrackedScan tracked = tracker_->track(scan, prior);
+  state_times(correction, tracked);
   std::vector<FrontEndResult> finalized;
-  const bool times_change = try_other_times(scan, prior, gyro_corrected, tracked, finalized);
+  const bool times_change = try_other_times(scan, prior, tracked, finalized);
   check_vertical_ride(scan.stamp, prior, tracked);
   tracked_ = tracked;
   last_stamp_ = tracked_stamp_ = scan.stamp;
@@ -114,35 +115,38 @@ FrontEndResult SensorOdometry::coast(Stamp stamp) {
   return result;
 }
 
-/// True if the points stay corrected by the gyro.
-bool SensorOdometry::keeps_gyro_correction(const MotionPrior& prior) const {
-  return prior.uneven_turning && times_.source == SweepTimes::kAsGiven &&
-         tracker_->accepts_gyro(prior);
+/// Times and gyro as they are judged now; the tracker knows the elevations.
+PointCorrection SensorOdometry::correction_of(const MotionPrior& prior) const {
+  PointCorrection correction;
+  correction.times = times_;
+  correction.undo_gyro = prior.uneven_turning &&
+                         (times_.source != SweepTimes::kAsGiven || !tracker_->accepts_gyro(prior));
+  return correction;
 }
 
-/// The scan with the right times, and without the gyro's correction unless that is kept. Empty if
-/// nothing changes.
-std::optional<Scan> SensorOdometry::with_right_times(const Scan& scan, const MotionPrior& prior,
-                                                     bool keep_gyro_correction) const {
-  const bool undo = prior.uneven_turning && !keep_gyro_correction;
-  if (!undo && times_.source == SweepTimes::kAsGiven) return std::nullopt;
-  PointCloud cloud = undo ? put_back(*prior.uneven_turning, scan.cloud) : scan.cloud;
-  cloud.times = sweep_times(cloud, times_);
-  return Scan{scan.stamp, std::move(cloud)};
+/// Empty if nothing changes.
+std::optional<Scan> SensorOdometry::changed_scan(const Scan& scan, const MotionPrior& prior,
+                                                 const PointCorrection& correction) {
+  if (!correction.undo_gyro && correction.times.source == SweepTimes::kAsGiven) return std::nullopt;
+  return Scan{scan.stamp, with_right_times(scan.cloud, prior.uneven_turning, correction)};
+}
+
+/// The elevations stay those by which the tracker has sampled the scan.
+void SensorOdometry::state_times(const PointCorrection& correction, TrackedScan& tracked) {
+  tracked.correction.undo_gyro = correction.undo_gyro;
+  tracked.correction.times = tracked.status.sweep_times = correction.times;
 }
 
 /// Continues the check of the times, if it is not finished. If other times are right, their
 /// tracker takes over, and the function returns true; the scan itself still has the wrong times.
 bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
-                                     bool is_gyro_corrected, TrackedScan& tracked,
-                                     std::vector<FrontEndResult>& finalized) {
-  tracked.status.sweep_times = times_;
+                                     TrackedScan& tracked, std::vector<FrontEndResult>& finalized) {
   if (!times_validator_) return false;
   timer_.start("point times");
   MotionPrior without_gyro = prior;
   if (prior.uneven_turning) without_gyro.angular_velocity.reset();
   std::optional<Scan> uncorrected;
-  if (is_gyro_corrected)
+  if (prior.uneven_turning && !tracked.correction.undo_gyro)
     uncorrected = Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
   std::optional<SweepTimesValidator::Successor> successor =
       times_validator_->add(uncorrected ? *uncorrected : scan, without_gyro, tracked);
@@ -153,7 +157,7 @@ bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
   tracker_ = std::move(successor->tracker);
   times_ = successor->times;
   tracked = std::move(successor->tracked);
-  tracked.status.sweep_times = times_;
+  state_times(correction_of(prior), tracked);
   return true;
 }
 
@@ -183,6 +187,7 @@ FrontEndResult SensorOdometry::result_of(Stamp stamp, const TrackedScan& tracked
   result.T_odom_base = tracked.T_odom_base;
   result.twist = tracked.twist;
   result.acceleration = tracked.acceleration;
+  result.correction = tracked.correction;
   result.status = tracked.status;
   if (last_) result.covariance = add_step(*last_, tracked);
   last_ = tracked;

@@ -50,11 +50,12 @@ class SensorOdometry {
 
   void check_stamp(Stamp stamp) const;
   FrontEndResult coast(Stamp stamp);
-  bool keeps_gyro_correction(const MotionPrior& prior) const;
-  std::optional<Scan> with_right_times(const Scan& scan, const MotionPrior& prior,
-                                       bool keep_gyro_correction) const;
-  bool try_other_times(const Scan& scan, const MotionPrior& prior, bool is_gyro_corrected,
-                       TrackedScan& tracked, std::vector<FrontEndResult>& finalized);
+  PointCorrection correction_of(const MotionPrior& prior) const;
+  static std::optional<Scan> changed_scan(const Scan& scan, const MotionPrior& prior,
+                                          const PointCorrection& correction);
+  static void state_times(const PointCorrection& correction, TrackedScan& tracked);
+  bool try_other_times(const Scan& scan, const MotionPrior& prior, TrackedScan& tracked,
+                       std::vector<FrontEndResult>& finalized);
   void check_vertical_ride(Stamp stamp, const MotionPrior& prior, TrackedScan& tracked);
   FrontEndResult result_of(Stamp stamp, const TrackedScan& tracked);
   Covariance6 add_step(const TrackedScan& from, const TrackedScan& to);

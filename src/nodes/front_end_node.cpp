@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/corrected_cloud.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/front_end/status_warnings.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -58,7 +58,7 @@ class FrontEndNode {
   void finalize();
   void publish_final(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
-  void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
+  void publish_clouds(const front_end::FrontEndResult& result, const AssembledScan& assembled);
   void publish_local_map(Stamp stamp);
   void report(const front_end::FrontEndResult& result);
   void show_figures(const front_end::FrontEndStatus& status);
@@ -243,7 +243,7 @@ void FrontEndNode::process(const AssembledScan& assembled) {
   for (const front_end::FrontEndResult& finalized : result.finalized) publish_final(finalized);
   publish_odometry(result);
   if (!result.provisional) publish_final(result);
-  publish_clouds(result, assembled.scan.cloud);
+  publish_clouds(result, assembled);
   report(result);
   previous_ = result;
 }
@@ -287,10 +287,10 @@ void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
 }
 
 void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,
-                                  const PointCloud& cloud) {
+                                  const AssembledScan& assembled) {
   if (current_scan_.getNumSubscribers() > 0) {
-    const PointCloud scan =
-        front_end::deskewed(transformed(cloud, T_base_scan_), result.twist, result.acceleration);
+    const PointCloud scan = front_end::corrected_cloud(
+        assembled.scan.cloud, assembled.prior.uneven_turning, T_base_scan_, result);
     current_scan_.publish(to_message(scan, result.stamp, config_.node.base_frame));
   }
   if (result.key_frame) publish_local_map(result.stamp);

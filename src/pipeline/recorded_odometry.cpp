@@ -3,8 +3,7 @@
 
 #include <utility>
 
-#include "lidar_mapping/common/elevation_shift.hpp"
-#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/corrected_cloud.hpp"
 
 #include "scans/scan_matching.hpp"
 #include "scans/scan_preparation.hpp"
@@ -18,16 +17,6 @@ namespace {
 // Lengths of the queues; chosen as in pipeline.cpp.
 constexpr std::size_t kInputs = 64;
 constexpr std::size_t kScans = 4;
-
-/// The points as a key frame of the map has them: turned upwards where the sensor's elevations are
-/// wrong, and without the distortion by the motion.
-PointCloud corrected(const preprocessing::SyncedScan& synced,
-                     const front_end::FrontEndResult& result) {
-  PointCloud cloud = synced.scan.cloud;
-  rotate_upwards(cloud, result.status.elevation_shift);
-  return front_end::deskewed(transformed(cloud, synced.T_base_lidar), result.twist,
-                             result.acceleration);
-}
 
 }  // namespace
 
@@ -67,7 +56,9 @@ class RecordedOdometry::Impl {
 
   void hand_over(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result) {
     OdometryScan scan;
-    scan.scan = {synced.scan.stamp, corrected(synced, result)};
+    scan.scan = {synced.scan.stamp,
+                 front_end::corrected_cloud(synced.scan.cloud, synced.uneven_turning,
+                                            synced.T_base_lidar, result)};
     scan.result = std::move(result);
     scan.p_base_lidar = synced.T_base_lidar.translation;
     forwarding_.push(std::move(scan));

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/front_end/corrected_cloud.hpp"
+
 #include "base_frame.hpp"
 #include "base_frames.hpp"
 #include "evaluated_drive.hpp"
@@ -161,6 +163,32 @@ TEST(BaseFrame, RotatesGyroAndAccelerometerIntoTheLidarsAxes) {
   EXPECT_TRUE((T_base_sensor.rotation * over.felt->mean).isApprox(prior.felt->mean, 1e-12));
   EXPECT_TRUE((T_base_sensor * over.felt->p_base_imu).isApprox(prior.felt->p_base_imu, 1e-12));
   EXPECT_EQ(over.felt->since, 5);
+}
+
+/// The front end has put the gyro's correction back in the LiDAR's axes; here it is the whole
+/// motion.
+TEST(CorrectedCloud, PutsTheGyrosCorrectionBackIfTheFrontEndDid) {
+  const Pose T_base_lidar{exp_so3({0.1, -0.4, 1.2}), {1.0, -0.5, 1.8}};
+  const UnevenTurning turning{
+      0.0, 0.05, {Eigen::Quaterniond::Identity(), exp_so3({0.03, 0.01, -0.02}), exp_so3({})}};
+  PointCloud cloud;
+  for (int i = 0; i < 5; ++i) {
+    cloud.points.push_back({5.0F, static_cast<float>(i), 1.0F, 0.5F});
+    cloud.times.push_back(0.02F * static_cast<float>(i));
+  }
+  FrontEndResult result;
+  const PointCloud kept = corrected_cloud(cloud, turning, T_base_lidar, result);
+  result.correction.undo_gyro = true;
+  const PointCloud undone = corrected_cloud(cloud, turning, T_base_lidar, result);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d p_lidar = cloud.points[i].position().cast<double>();
+    EXPECT_TRUE(test::near(kept.points[i].position().cast<double>(), T_base_lidar * p_lidar, 1e-5));
+    const Eigen::Quaterniond then = turning.at(static_cast<double>(cloud.times[i])).conjugate();
+    EXPECT_TRUE(test::near(undone.points[i].position().cast<double>(),
+                           T_base_lidar.translation + then * (T_base_lidar.rotation * p_lidar),
+                           1e-5))
+        << i;
+  }
 }
 
 }  // namespace

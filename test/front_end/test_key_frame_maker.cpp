@@ -131,7 +131,7 @@ TEST(KeyFrameMaker, ThinsOutAndRaisesThePoints) {
   TrackedScan tracked = scan_at(0.0);
   const PointCloud thinned = maker.points_of(cloud, tracked);
   EXPECT_LT(thinned.size(), 3u);
-  tracked.elevation_shift = 0.01;
+  tracked.correction.elevation_shift = 0.01;
   const PointCloud raised = maker.points_of(cloud, tracked);
   ASSERT_EQ(raised.size(), thinned.size());
   EXPECT_NEAR(raised.points[0].z, 0.1, 1e-4);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -376,6 +377,43 @@ TEST_F(FrontEndNode, ShowsTheScanInTheVehiclesFrameAndTheLocalMapInThatOfTheOdom
   const Extent map = extent_of(maps.messages.back());
   EXPECT_NEAR(map.low.x(), -15.0, 1.5) << "from where the odometry began, to a voxel";
   EXPECT_NEAR(map.high.x(), 35.0, 1.5);
+}
+
+/// The yard as a sweep of 0.1 s before the stamp shows it at 5 m/s; the times have the wrong sign.
+PointCloud sweep_with_wrong_times(int step) {
+  PointCloud cloud = yard_seen_from(straight(step), 7U);
+  for (Point& point : cloud.points) {
+    const double turned = std::atan2(point.y, point.x) / (2.0 * M_PI) + 0.5;  // 0 to 1
+    const auto time = static_cast<float>(0.1 * (turned - 1.0));
+    point.x -= 5.0F * time;
+    cloud.times.push_back(-time);
+  }
+  return cloud;
+}
+
+/// Whoever localises it needs the scan as the map will have it.
+TEST_F(FrontEndNode, ShowsTheScanWithTheTimesThatItFoundRight) {
+  Listener<sensor_msgs::PointCloud2> scans("current_scan");
+  ASSERT_TRUE(wait_until([&] { return scans.connected(); }));
+  int step = 0;
+  const auto drive_one = [&] {
+    clouds_.publish(ros_border::to_message(sweep_with_wrong_times(step), stamp_of(step),  //
+                                           "base_link"));
+    ++step;
+    return odometry_.wait_for(static_cast<std::size_t>(step));
+  };
+  const auto is_corrected = [&] {
+    return !status_.messages.empty() && status_.messages.back().sweep_times == "negated";
+  };
+  while (step < 50 && !is_corrected()) ASSERT_TRUE(drive_one()) << node_->output();
+  ASSERT_TRUE(is_corrected()) << node_->output();
+  ASSERT_TRUE(drive_one() && wait_until([&] {
+                return from_ros(scans.messages.back().header.stamp) == stamp_of(step - 1);
+              }));
+  const Extent scan = extent_of(scans.messages.back());
+  const auto x = static_cast<float>(straight(step - 1).translation.x());
+  EXPECT_NEAR(scan.low.x(), -15.0F - x, 0.15F) << "both ends of the yard are seen as planes";
+  EXPECT_NEAR(scan.high.x(), 35.0F - x, 0.15F);
 }
 
 /// At the end of a drive there is no key frame any more that would bring it.

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fstream>
+#include <utility>
+#include <variant>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -82,6 +86,53 @@ TEST(RecordedOdometry, GivesScansInBaseLinkWithoutDistortion) {
   }
   ASSERT_GT(count, 50U);
   EXPECT_LT(std::abs(sum / static_cast<double>(count)), 0.35);
+}
+
+/// A drive of which there are only scans, and the times of their points are wrong.
+std::vector<OdometryScan> odometry_with_fault(const std::string& fault) {
+  simulation::DriveOptions options;
+  options.lidar = "vlp16";
+  options.duration = 10.0;
+  options.scan_faults = {simulation::parse_scan_fault(fault)};
+  SimulatedInput input(options);
+  PipelineConfig config = with_threads(2);
+  config.front_end.key_frame_cloud_resolution = 0.0;  // key frames with all points
+  std::vector<OdometryScan> scans;
+  RecordedOdometry odometry(
+      config, [&](const std::string& frame) { return input.T_base(frame); },
+      [&](OdometryScan&& scan) { scans.push_back(std::move(scan)); });
+  while (auto datum = input.next()) {
+    if (std::holds_alternative<RecordedScan>(*datum)) odometry.add(std::move(*datum));
+  }
+  odometry.finish();
+  return scans;
+}
+
+/// Points of a cloud that another one has too, in the same order, to a millimetre.
+std::size_t points_in(const PointCloud& all, const PointCloud& some) {
+  std::size_t found = 0;
+  for (const Point& point : all.points) {
+    if (found == some.size()) break;
+    if ((point.position() - some.points[found].position()).norm() < 1e-3F) ++found;
+  }
+  return found;
+}
+
+/// Scans that are localised were bent, while the key frames of the same drive were not.
+TEST(RecordedOdometry, CorrectsTheTimesOfPointsAsTheFrontEndDoes) {
+  const std::pair<const char*, front_end::SweepTimes> cases[] = {
+      {"times=negated", front_end::SweepTimes::kNegated},
+      {"times=none", front_end::SweepTimes::kByAzimuth}};
+  for (const auto& [fault, times] : cases) {
+    std::size_t compared = 0;
+    for (const OdometryScan& scan : odometry_with_fault(fault)) {
+      if (scan.result.status.sweep_times.source != times || !scan.result.key_frame) continue;
+      const PointCloud& expected = *scan.result.key_frame->cloud;
+      ASSERT_EQ(points_in(scan.scan.cloud, expected), expected.size()) << fault;
+      ++compared;
+    }
+    EXPECT_GT(compared, 3U) << fault;
+  }
 }
 
 TEST(RecordedOdometry, ThrowsWhatTheReceiverThrew) {

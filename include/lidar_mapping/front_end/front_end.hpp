@@ -9,6 +9,7 @@
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/front_end/front_end_status.hpp"
 #include "lidar_mapping/front_end/motion_prior.hpp"
+#include "lidar_mapping/front_end/point_correction.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -18,12 +19,13 @@ struct FrontEndResult {
   Pose T_odom_base;  ///< at the stamp
   /// Covariance of the motion since the previous scan, in the axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
-  /// Twist of base_link in its own axes at the stamp: m/s, rad/s. With the scan in base_link,
-  /// deskewed(cloud, twist, acceleration) gives the scan without motion distortion (deskew.hpp).
-  /// The pose does not need this step, so it is left to those who display the scan.
+  /// Twist of base_link in its own axes at the stamp: m/s, rad/s. By it corrected_cloud()
+  /// (corrected_cloud.hpp) gives the scan without motion distortion. The pose does not need this
+  /// step, so it is left to those who use the scan.
   Vector6d twist = Vector6d::Zero();
   /// Change of the twist during the sweep: m/s^2, rad/s^2.
   Vector6d acceleration = Vector6d::Zero();
+  PointCorrection correction;  ///< how the points of the scan were changed before matching
   /// Set if this scan was chosen as a key frame. The first scan is chosen as soon as its points are
   /// deskewed or can be deskewed: if the points have times, this is when the motion is known.
   std::optional<KeyFrame> key_frame;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
@@ -124,6 +125,14 @@ std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& ru
       return times_by_position(cloud, rule.duration);
   }
   return cloud.times;
+}
+
+PointCloud with_right_times(PointCloud cloud, const std::optional<UnevenTurning>& turning,
+                            const PointCorrection& correction) {
+  if (turning && correction.undo_gyro) cloud = put_back(*turning, std::move(cloud));
+  if (correction.times.source != SweepTimes::kAsGiven)
+    cloud.times = sweep_times(cloud, correction.times);
+  return cloud;
 }
 
 const char* to_string(SweepTimes times) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/uneven_turning.hpp"
+#include "lidar_mapping/front_end/point_correction.hpp"
 #include "lidar_mapping/front_end/sweep_times.hpp"
 
 namespace lidar_mapping::front_end {
@@ -25,5 +28,10 @@ std::vector<float> times_by_position(const PointCloud& cloud, double duration);
 /// The times that the points have according to the rule; empty if they have none. Without times the
 /// stamp is that of the begin, or of the middle if the points do not tell how the sensor turns.
 std::vector<float> sweep_times(const PointCloud& cloud, const SweepTimesRule& rule);
+
+/// The points before `turning` (in the axes of the points) was removed, if that is to be undone,
+/// and with the right times; their elevations are left as they are.
+PointCloud with_right_times(PointCloud cloud, const std::optional<UnevenTurning>& turning,
+                            const PointCorrection& correction);
 
 }  // namespace lidar_mapping::front_end

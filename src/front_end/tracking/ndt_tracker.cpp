@@ -60,7 +60,7 @@ NdtTracker::Step NdtTracker::sample(const Scan& scan, const MotionPrior& prior) 
 TrackedScan NdtTracker::begin_result() const {
   TrackedScan result;
   result.status.elevation_shift = mapper_.elevation().accepted_angle();
-  result.elevation_shift = mapper_.elevation().applied_angle();
+  result.correction.elevation_shift = mapper_.elevation().applied_angle();
   return result;
 }
 

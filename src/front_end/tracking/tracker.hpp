@@ -9,6 +9,7 @@
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/front_end/front_end_status.hpp"
 #include "lidar_mapping/front_end/motion_prior.hpp"
+#include "lidar_mapping/front_end/point_correction.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -41,7 +42,7 @@ struct TrackedScan : PoseEstimate {
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   FrontEndStatus status;
-  double elevation_shift = 0.0;  ///< angle by which the scan's points were rotated upwards, rad
+  PointCorrection correction;  ///< of the scan's points
   /// False while the twist is only assumed, as at the first scan of a drive: then a sweep cannot be
   /// deskewed.
   bool motion_known = true;
