@@ -281,7 +281,9 @@ void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
   transforms_.sendTransform(
       stamped_transform(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame));
   double seconds = 0.0;
-  if (previous_) seconds = to_seconds(result.stamp - previous_->stamp);
+  // No motion leads into a new segment, so its first scan has no covariance of one.
+  if (previous_ && previous_->segment == result.segment)
+    seconds = to_seconds(result.stamp - previous_->stamp);
   laser_odom_.publish(to_odometry(result, front_end_.pose_covariance(), seconds, frames.odom_frame,
                                   frames.base_frame));
 }

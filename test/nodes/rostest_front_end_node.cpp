@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -244,6 +246,40 @@ TEST_F(FrontEndNode, BeginsAtTheInitialPoseAndSaysWhenItComesTooLate) {
       send_until([&] { publish("map"); },
                  [&] { return node_->says("the initial pose comes after the first scan"); }))
       << node_->output();
+}
+
+/// Points all around in which nothing is ever found again.
+PointCloud chaos(int step) {
+  std::mt19937 random(static_cast<unsigned>(step));
+  std::normal_distribution<float> axis(0.0F, 15.0F);
+  PointCloud cloud;
+  for (int i = 0; i < 2000; ++i) cloud.points.push_back({axis(random), axis(random), axis(random)});
+  return cloud;
+}
+
+/// Localisation took the step into a new segment for a measured one, by its covariance.
+TEST_F(FrontEndNode, StatesNoCovarianceOfTheStepIntoANewSegment) {
+  start({"_max_lost_time:=0.25"});
+  odometry_.messages.clear();
+  key_frames_.messages.clear();
+  drive(0, 12);
+  for (int step = 12; step < 18; ++step) {
+    clouds_.publish(ros_border::to_message(chaos(step), stamp_of(step), "base_link"));
+    ASSERT_TRUE(odometry_.wait_for(static_cast<std::size_t>(step) + 1)) << node_->output();
+  }
+  drive(18, 24);
+  ASSERT_TRUE(wait_until([&] {
+    return !key_frames_.messages.empty() && key_frames_.messages.back().segment > 0;
+  })) << node_->output();
+  std::vector<int> without_covariance;
+  for (std::size_t step = 0; step < odometry_.messages.size(); ++step) {
+    const nav_msgs::Odometry& message = odometry_.messages[step];
+    if (message.twist.covariance[0] == 0.0) without_covariance.push_back(static_cast<int>(step));
+  }
+  ASSERT_GE(without_covariance.size(), 2U);
+  EXPECT_EQ(without_covariance[0], 0);
+  EXPECT_GT(without_covariance[1], 11) << "all motions in the yard are measured";
+  EXPECT_LE(without_covariance.back(), 18);
 }
 
 /// A back end that starts in mid-drive must not lack what was sent before it was connected.
