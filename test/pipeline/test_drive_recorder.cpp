@@ -131,7 +131,8 @@ TEST(PlacePairing, WithdrawsThePlaceBackToWhereItWasFound) {
   pairing.add(place_at(1));
   pairing.add(place_at(2, kSearching));
   for (const Stamp stamp : {3, 4}) pairing.add(place_at(stamp));
-  EXPECT_FALSE(pairing.withdraw_place()) << "the place before was another one";
+  EXPECT_EQ(pairing.withdraw_place(), 3) << "the place before was another one";
+  EXPECT_EQ(pairing.withdraw_place(), std::nullopt) << "nothing is claimed any more";
   pairing.add(place_at(5));
   for (const Stamp stamp : {1, 3, 4, 5}) {
     pairing.add(key_frame_at(stamp, static_cast<KeyFrameIndex>(stamp)));
@@ -142,7 +143,7 @@ TEST(PlacePairing, WithdrawsThePlaceBackToWhereItWasFound) {
   EXPECT_EQ(pairs[1].place.state, kSearching);
   EXPECT_EQ(pairs[2].place.state, kSearching);
   EXPECT_EQ(pairs[3].place.state, kFollowing);
-  EXPECT_TRUE(pairing.withdraw_place()) << "the place may be that of earlier key frames";
+  EXPECT_EQ(pairing.withdraw_place(), 5);
 }
 
 /// A recorder for a map that has no key frames.
@@ -192,6 +193,16 @@ TEST_F(DriveRecorderTest, WithdrawsThePlaceOfKeyFramesThatAreStored) {
   EXPECT_EQ(states(),
             (std::vector<LocalizationState>{kFollowing, kFollowing, LocalizationState::kLost,
                                             kSearching, kSearching, kSearching}));
+}
+
+/// A key frame whose scan was lost hid the wrong places before it.
+TEST_F(DriveRecorderTest, WithdrawsThePlaceBeyondAKeyFrameWhoseScanWasLost) {
+  add(1, kSearching);
+  for (const Stamp stamp : {2, 3}) add(stamp, kFollowing);
+  recorder_.add_key_frame(key_frame_at(4, 4));  // and no place for it
+  for (const Stamp stamp : {5, 6}) add(stamp, kFollowing);
+  recorder_.withdraw_place();
+  EXPECT_EQ(states(), std::vector<LocalizationState>(6, kSearching));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST_F(MapExtenderTest, TakesTheCloudsOfWhatIsNew) {
 TEST_F(MapExtenderTest, DiscardsAPlaceThatAPersonWithdraws) {
   MapExtender extender(map(), folder_beside(extended()));
   add(street_drive(times(5, 'f') + times(2, 's') + times(3, 'f') + "b", 20), extender);
-  extender.withdraw_place();
+  extender.withdraw_places(extender.drive().key_frames[7].key_frame.stamp);
   for (std::size_t i = 0; i < 11; ++i) {
     const bool has_pose = localization::has_pose(extender.drive().key_frames[i].place.state);
     EXPECT_EQ(has_pose, i < 5) << i;

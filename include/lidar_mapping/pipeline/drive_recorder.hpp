@@ -33,7 +33,7 @@ class DriveRecorder {
   }
   /// The place that is claimed now was wrong, as a person says.
   void withdraw_place() {
-    if (pairing_.withdraw_place()) extender_->withdraw_place();
+    if (const auto found = pairing_.withdraw_place()) extender_->withdraw_places(*found);
   }
 
   /// What was recorded so far.

@@ -52,8 +52,9 @@ class MapExtender {
   /// Adds the next key frame of the drive with its cloud, and what was claimed about the place of
   /// its scan. Indices and stamps increase. Throws FileError.
   void add_key_frame(const KeyFrame& key_frame, const localization::LocalizationResult& place);
-  /// The place that is claimed now was wrong: key frames since it was found count as searching.
-  void withdraw_place();
+  /// The places that were claimed since this stamp were wrong: the key frames from it on count as
+  /// searching.
+  void withdraw_places(Stamp since);
 
   /// All that was added, without clouds.
   const LocalizedDrive& drive() const { return drive_; }

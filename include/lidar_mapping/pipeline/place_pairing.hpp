@@ -25,8 +25,9 @@ class PlacePairing {
   /// on its way comes as one whose place is searched for.
   std::vector<LocalizedKeyFrame> take_ready();
   /// The place that is claimed now was wrong: the scans since it was found count as searching.
-  /// Returns whether these are all that are kept here, so that earlier pairs may be wrong, too.
-  bool withdraw_place();
+  /// Returns the stamp of the first of these, from which on the pairs that were taken are wrong,
+  /// too; none if no place is claimed now.
+  std::optional<Stamp> withdraw_place();
 
  private:
   KeyFrame numbered(const RunKeyFrame& received);
@@ -35,6 +36,7 @@ class PlacePairing {
   std::deque<KeyFrame> waiting_;
   std::optional<Stamp> begin_;  ///< Of the drive.
   Stamp newest_place_ = 0;
+  std::optional<Stamp> found_;  ///< When the place that is claimed now was found.
   std::optional<Stamp> newest_key_frame_;
   std::string run_id_;
   KeyFrameIndex first_index_ = 0;  ///< Of this run in the drive.

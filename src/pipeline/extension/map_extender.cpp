@@ -182,11 +182,10 @@ void MapExtender::add_key_frame(const KeyFrame& key_frame,
   drive_.key_frames.back().key_frame.cloud = nullptr;
 }
 
-void MapExtender::withdraw_place() {
-  auto localized = drive_.key_frames.rbegin();
-  for (; localized != drive_.key_frames.rend(); ++localized) {
-    if (!localization::has_pose(localized->place.state)) return;
-    localized->place.state = localization::LocalizationState::kSearching;
+void MapExtender::withdraw_places(Stamp since) {
+  for (LocalizedKeyFrame& localized : drive_.key_frames) {
+    if (localized.key_frame.stamp < since) continue;
+    localized.place.state = localization::LocalizationState::kSearching;
   }
 }
 

@@ -30,6 +30,11 @@ LocalizationResult unclaimed(Stamp stamp) {
 void PlacePairing::add(const LocalizationResult& place) {
   if (!begin_) begin_ = place.stamp;
   newest_place_ = place.stamp;
+  if (!localization::has_pose(place.state)) {
+    found_.reset();
+  } else if (!found_) {
+    found_ = place.stamp;
+  }
   places_[place.stamp] = place;
   if (places_.size() > kMostPlaces) places_.erase(places_.begin());
 }
@@ -74,12 +79,12 @@ std::vector<LocalizedKeyFrame> PlacePairing::take_ready() {
   return ready;
 }
 
-bool PlacePairing::withdraw_place() {
-  for (auto place = places_.rbegin(); place != places_.rend(); ++place) {
-    if (!localization::has_pose(place->second.state)) return false;
+std::optional<Stamp> PlacePairing::withdraw_place() {
+  if (!found_) return std::nullopt;
+  for (auto place = places_.lower_bound(*found_); place != places_.end(); ++place) {
     place->second.state = LocalizationState::kSearching;
   }
-  return true;
+  return std::exchange(found_, std::nullopt);
 }
 
 }  // namespace lidar_mapping::pipeline
