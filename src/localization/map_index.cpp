@@ -50,14 +50,18 @@ void for_each_cloud(const std::vector<KeyFrame>& key_frames, CloudSource& clouds
   }
 }
 
-/// Both in one pass, so that each cloud is read once.
-void add_key_frames(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
-                    CloudSource& clouds, int threads, MapParts& parts) {
+/// Both in one pass, so that each cloud is read once. Returns the number of clouds that are
+/// missing.
+std::size_t add_key_frames(const PlacedKeyFrames& map, const Eigen::Vector3d& p_base_lidar,
+                           CloudSource& clouds, int threads, MapParts& parts) {
+  std::size_t missing = 0;
   loop_closing::KeyFramePreparation preparation(parts.places.verification());
   for_each_cloud(map.key_frames, clouds, threads, [&](std::size_t i, const PointCloudPtr& cloud) {
     if (cloud) parts.surfaces.insert(*cloud, map.poses[i], p_base_lidar);
+    if (!cloud) ++missing;
     parts.places.append(cloud ? preparation.prepare(*cloud) : loop_closing::PreparedKeyFrame());
   });
+  return missing;
 }
 
 }  // namespace
@@ -73,7 +77,7 @@ MapIndex::MapIndex(const MapSource& source, CloudSource& clouds,
   parts_.reset(new MapParts{MapSurfaces(most_slots, directory),
                             PlaceSearch(verification, clouds, map.key_frames, map.poses,
                                         source.p_base_lidar, directory)});
-  add_key_frames(map, source.p_base_lidar, clouds, threads, *parts_);
+  places_without_cloud_ = add_key_frames(map, source.p_base_lidar, clouds, threads, *parts_);
   if (gaussians() > 0) return;
   throw InputError("none of the map's clouds can be read; look for its folder key_frames");
 }

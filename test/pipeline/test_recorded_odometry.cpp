@@ -162,6 +162,21 @@ TEST(SessionMap, HasThePlacesOfTheSessionAndItsDatum) {
   EXPECT_GT(fine, 3 * coarse);
 }
 
+TEST(SessionMap, SaysHowManyPlacesHaveNoCloud) {
+  const TemporaryFolder folder;
+  map_into(folder.path());
+  std::size_t places = 0;
+  {
+    const Session session = Session::open(folder.path(), Session::Access::kRead);
+    places = session.key_frame_count();
+    std::filesystem::remove(session.clouds().file(1));
+    std::ofstream(session.clouds().file(2)) << "damaged";
+  }
+  const SessionMap map(folder.path(), {}, 1);
+  EXPECT_EQ(map.size_text().find(std::to_string(places) + " places, 2 of them without cloud, "), 0U)
+      << map.size_text();
+}
+
 TEST(SessionMap, RefusesASessionThatWasNeverOptimised) {
   const TemporaryFolder folder;
   Session::create_in(folder.path() / "empty");

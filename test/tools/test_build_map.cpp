@@ -38,6 +38,19 @@ TEST_F(BuildMap, TakesFormatsInCapitals) {
   EXPECT_TRUE(fs::exists(folder_.path() / "1" / "top_view.png"));
 }
 
+/// The map had holes, and nobody said so.
+TEST_F(BuildMap, SaysHowManyKeyFramesHaveNoCloud) {
+  const fs::path holed = folder_.path() / "holed";
+  fs::copy(whole(), holed, fs::copy_options::recursive);
+  const session::Session session = opened(holed);
+  fs::remove(session.clouds().file(1));
+  std::ofstream(session.clouds().file(2)) << "damaged";
+  EXPECT_EQ(run("build_map", {holed, "-o", folder_.path() / "1", "--formats", "pcd"}), 0);
+  EXPECT_TRUE(has_said("2 of them without cloud"));
+  EXPECT_GT(built({"--formats", "pcd"}).size(), 1000U);
+  EXPECT_FALSE(has_said("without cloud"));
+}
+
 TEST_F(BuildMap, CropsToABox) {
   const PointCloud whole_map = built({"--formats", "pcd"});
   const PointCloud part =

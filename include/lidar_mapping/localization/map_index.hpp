@@ -48,6 +48,8 @@ class MapIndex {
 
   /// T_map_base of each place: of the key frames with a pose, in their order.
   const std::vector<Pose>& places() const;
+  /// Number of the places whose cloud is missing or damaged: nobody is found there.
+  std::size_t places_without_cloud() const { return places_without_cloud_; }
   /// Number of Gaussians of the whole map, in memory or not; the coarse ones not counted.
   std::size_t gaussians() const;
   /// Memory of the tables of Gaussians now, bytes.
@@ -58,6 +60,7 @@ class MapIndex {
 
  private:
   std::unique_ptr<MapParts> parts_;
+  std::size_t places_without_cloud_ = 0;
 };
 
 }  // namespace lidar_mapping::localization

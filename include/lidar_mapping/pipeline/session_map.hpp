@@ -30,7 +30,9 @@ class SessionMap {
   /// The points of all key frames in the map, one for each voxel of edge `resolution` (m); for
   /// display.
   PointCloud cloud(double resolution) const;
-  /// How large it is, for people: "12 places, 3400 Gaussians, tables of 5 MB".
+  /// How large it is, for people: "12 places, 3400 Gaussians, tables of 5 MB". Places whose cloud
+  /// is missing or damaged are named behind those that there are: "12 places, 3 of them without
+  /// cloud".
   std::string size_text() const;
   /// Folder of the session.
   const std::filesystem::path& directory() const { return session_.directory(); }

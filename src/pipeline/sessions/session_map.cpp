@@ -55,8 +55,12 @@ PointCloud SessionMap::cloud(double resolution) const {
 
 std::string SessionMap::size_text() const {
   constexpr double kMegabyte = 1e6;  // bytes, by SI
-  return formatted("%zu places, %zu Gaussians, tables of %.0f MB", index_.places().size(),
-                   index_.gaussians(), static_cast<double>(index_.bytes()) / kMegabyte);
+  std::string text = formatted("%zu places, ", index_.places().size());
+  if (index_.places_without_cloud() > 0) {
+    text += formatted("%zu of them without cloud, ", index_.places_without_cloud());
+  }
+  return text + formatted("%zu Gaussians, tables of %.0f MB", index_.gaussians(),
+                          static_cast<double>(index_.bytes()) / kMegabyte);
 }
 
 std::optional<GeodeticDatum> SessionMap::datum() const {

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -24,6 +28,29 @@ using session::Session;
 /// Bytes. Clouds are read in the order of the drive, first as observers and thirty key frames later
 /// to be judged and put into the map. Chosen: so much is between the two with 50,000 points each.
 constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
+
+/// The clouds of key frames; counts those that are missing or damaged.
+class CountedClouds : public CloudSource {
+ public:
+  explicit CountedClouds(CloudSource& clouds) : clouds_(clouds) {}
+
+  PointCloudPtr cloud(KeyFrameIndex index) override { return clouds({index}, 1).front(); }
+  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
+                                    int threads) override {
+    std::vector<PointCloudPtr> found = clouds_.clouds(indices, threads);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (!found[i]) missing_.insert(indices[i]);
+    }
+    return found;
+  }
+  std::size_t missing() const { return missing_.size(); }
+
+ private:
+  CloudSource& clouds_;
+  std::mutex mutex_;  ///< guards missing_
+  std::set<KeyFrameIndex> missing_;
+};
 
 /// `stored`, and over it the command line.
 MapConfig make_config(const MapOutput& output, const config::Source& stored) {
@@ -121,8 +148,14 @@ std::filesystem::path map_folder(const Session& session, const MapOutput& output
 
 map::Files write_map(const Session& session, const MapOutput& output) {
   session.clouds().set_cache_bytes(kCacheBytes);
-  return write_map(session, output, key_frame_poses(session, output), session.clouds(),
-                   "key frames");
+  CountedClouds clouds(session.clouds());
+  map::Files files =
+      write_map(session, output, key_frame_poses(session, output), clouds, "key frames");
+  if (clouds.missing() > 0) {
+    std::printf("%zu of them without cloud, which is missing or damaged: the map lacks them\n",
+                clouds.missing());
+  }
+  return files;
 }
 
 map::Files write_map(const Session& session, const MapOutput& output, const KeyFramePoses& poses,
