@@ -177,6 +177,36 @@ TEST(SessionMap, SaysHowManyPlacesHaveNoCloud) {
       << map.size_text();
 }
 
+/// An imported map keeps its coordinates up to 100 km.
+TEST(SessionMap, ShowsAMapThatIsFarFromItsOrigin) {
+  const TemporaryFolder folder;
+  const Eigen::Vector3d p_map(70'000.0, -60'000.0, 300.0);
+  {
+    Session session = Session::create_in(folder.path());
+    KeyFrame key_frame;
+    PointCloud cloud;
+    for (int i = 0; i < 2000; ++i) {
+      cloud.points.push_back({0.3F * static_cast<float>(i % 50), 0.3F * static_cast<float>(i / 50),
+                              0.1F * static_cast<float>(i % 7), 0.5F});
+    }
+    key_frame.cloud = std::make_shared<const PointCloud>(cloud);
+    key_frame.T_odom_base.translation = p_map;
+    session.add_key_frame(key_frame);
+    KeyFramePoses poses;
+    poses.revision = 1;
+    poses.poses = {{0, 0, key_frame.T_odom_base}};
+    session::RevisionRecord record;
+    record.revision = 1;
+    record.key_frames = 1;
+    session.set_poses(poses, record);
+  }
+  const PointCloud shown = SessionMap(folder.path(), {}, 1).cloud(1.0);
+  ASSERT_GT(shown.size(), 100U);
+  for (const Point& point : shown.points) {
+    EXPECT_LT((point.position().cast<double>() - p_map).norm(), 25.0);
+  }
+}
+
 TEST(SessionMap, RefusesASessionThatWasNeverOptimised) {
   const TemporaryFolder folder;
   Session::create_in(folder.path() / "empty");

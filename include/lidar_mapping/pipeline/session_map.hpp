@@ -27,8 +27,8 @@ class SessionMap {
   std::optional<GeodeticDatum> datum() const;
   /// Newest poses of the key frames, T_map_base.
   KeyFramePoses poses() const { return session_.poses(); }
-  /// The points of all key frames in the map, one for each voxel of edge `resolution` (m); for
-  /// display.
+  /// The points of all key frames in the map, one for each voxel of edge `resolution` (m, more
+  /// than 0); for display.
   PointCloud cloud(double resolution) const;
   /// How large it is, for people: "12 places, 3400 Gaussians, tables of 5 MB". Places whose cloud
   /// is missing or damaged are named behind those that there are: "12 places, 3 of them without

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/pipeline/session_map.hpp"
 
+#include <Eigen/Geometry>
+
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
@@ -32,6 +34,14 @@ Session opened(const std::filesystem::path& folder) {
   return session;
 }
 
+/// The middle of the key frames, at a corner of voxels with this edge (m). Points are thinned from
+/// there, because a filter in single precision knows none that are too far from its origin.
+Eigen::Vector3d middle_of(const KeyFramePoses& poses, double resolution) {
+  Eigen::AlignedBox3d box;
+  for (const KeyFramePose& pose : poses.poses) box.extend(pose.T_map_base.translation);
+  return resolution * (box.center() / resolution).array().round().matrix();
+}
+
 }  // namespace
 
 SessionMap::SessionMap(const std::filesystem::path& folder,
@@ -41,15 +51,21 @@ SessionMap::SessionMap(const std::filesystem::path& folder,
              std::filesystem::temp_directory_path(), threads) {}
 
 PointCloud SessionMap::cloud(double resolution) const {
+  const KeyFramePoses poses = session_.poses();
+  const Eigen::Vector3d p_map_middle = middle_of(poses, resolution);
   loop_closing::VoxelMeans voxels;
   voxels.reset(resolution);
-  for (const KeyFramePose& pose : session_.poses().poses) {
+  for (const KeyFramePose& pose : poses.poses) {
     const PointCloudPtr cloud = session_.clouds().cloud(pose.index);
     if (!cloud) continue;
-    for (const Point& p : transformed(*cloud, pose.T_map_base).points) voxels.add(p.position());
+    const Pose T_middle_base{pose.T_map_base.rotation, pose.T_map_base.translation - p_map_middle};
+    for (const Point& p : transformed(*cloud, T_middle_base).points) voxels.add(p.position());
   }
   PointCloud result;
-  for (const Eigen::Vector3f& p : voxels.points()) result.points.push_back({p.x(), p.y(), p.z()});
+  for (const Eigen::Vector3f& p : voxels.points()) {
+    const Eigen::Vector3f p_map = (p.cast<double>() + p_map_middle).cast<float>();
+    result.points.push_back({p_map.x(), p_map.y(), p_map.z()});
+  }
   return result;
 }
 
