@@ -27,13 +27,19 @@ constexpr std::size_t kFewestPoints = 300;
 /// m from the origin, up to which the session keeps the map's coordinates. Chosen: that of
 /// check_range() in src/map/files/map_files.cpp, up to which floats hold the centimetre.
 constexpr double kFarFromOrigin = 1e5;
+constexpr double kMetresPerKm = 1000.0;  // by definition
 /// m. Chosen: a number that is easy to add.
 constexpr double kRoundOrigin = 1000.0;
 
-Eigen::Vector3d origin_of(const Eigen::AlignedBox3d& bounds) {
-  const double farthest = std::max(bounds.min().cwiseAbs().maxCoeff(),  //
-                                   bounds.max().cwiseAbs().maxCoeff());
-  if (farthest <= kFarFromOrigin) return Eigen::Vector3d::Zero();
+double farthest(const Eigen::AlignedBox3d& bounds) {
+  return std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
+}
+
+/// Of the session's frame in that of the map. The places decide: a stray point may lie anywhere.
+Eigen::Vector3d origin_of(const std::vector<Place>& places) {
+  Eigen::AlignedBox3d bounds;
+  for (const Place& place : places) bounds.extend(place.T_map_base.translation);
+  if (farthest(bounds) <= kFarFromOrigin) return Eigen::Vector3d::Zero();
   return kRoundOrigin * (bounds.center() / kRoundOrigin).array().round().matrix();
 }
 
@@ -54,7 +60,8 @@ class Import {
     read_map();
     const std::vector<Place> places =
         trajectory ? places_along(*trajectory, options_.spacing) : places_on_the_ground();
-    describe();
+    if (places.empty()) refuse_places();
+    describe(origin_of(places));
     add_key_frames(places);
     if (writer_.key_frames() == 0) refuse_places();
     writer_.finish();
@@ -101,10 +108,9 @@ class Import {
   }
 
   /// Decides on the frame of the session, and writes what belongs to it as a whole.
-  void describe() {
+  void describe(const Eigen::Vector3d& origin) {
     const auto beside = options_.datum ? std::nullopt : datum_beside(options_.map);
     const std::optional<GeodeticDatum> datum = options_.datum ? options_.datum : beside;
-    const Eigen::Vector3d origin = origin_of(tiles_.bounds());
     if (datum && !is_place(*datum)) {
       throw InputError(
           "the datum is no place on Earth; give latitude and longitude in degrees, and "
@@ -124,7 +130,19 @@ class Import {
       report_(formatted("the session's coordinates are those of the map minus %.0f %.0f %.0f",
                         origin.x(), origin.y(), origin.z()));
     }
+    report_stray_points(origin);
     writer_.describe(options_, origin, p_base_lidar(), datum);
+  }
+
+  void report_stray_points(const Eigen::Vector3d& origin) {
+    const Eigen::AlignedBox3d& bounds = tiles_.bounds();
+    if (farthest({bounds.min() - origin, bounds.max() - origin}) <= kFarFromOrigin) return;
+    const std::uint64_t stray =
+        tiles_.points_outside({origin.array() - kFarFromOrigin, origin.array() + kFarFromOrigin});
+    report_(
+        formatted("points that lie more than %.0f km from the places, of which none sees "
+                  "them: %llu after thinning; remove them from the map if they are strays",
+                  kFarFromOrigin / kMetresPerKm, static_cast<unsigned long long>(stray)));
   }
 
   Eigen::Vector3d p_base_lidar() const {

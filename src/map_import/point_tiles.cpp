@@ -84,6 +84,18 @@ std::vector<PointTileIndex> PointTiles::indices_around(const Eigen::Vector3d& p_
   return indices;
 }
 
+std::uint64_t PointTiles::points_outside(const Eigen::AlignedBox3d& box) {
+  std::uint64_t count = 0;
+  for (const PointTileIndex& index : indices()) {
+    const PointTilePtr square = tile(index);
+    for (const Point& point : square->cloud.points) {
+      const Eigen::Vector3d p_map = square->origin + point.position().cast<double>();
+      if (!box.contains(p_map)) ++count;
+    }
+  }
+  return count;
+}
+
 PointTilePtr PointTiles::tile(const PointTileIndex& index) {
   if (const PointTilePtr* const cached = cache_.find(index)) return *cached;
   auto tile = std::make_shared<PointTile>();

@@ -66,6 +66,8 @@ class PointTiles {
 
   std::uint64_t points() const { return points_; }    ///< number of points added
   std::uint64_t thinned() const { return thinned_; }  ///< number of points that are left
+  /// Number of points that are left and lie outside of a box (m); after finish().
+  std::uint64_t points_outside(const Eigen::AlignedBox3d& box);
   /// Box around all points that were added, m.
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
 

@@ -165,6 +165,28 @@ TEST_F(ImportedSession, OfAMapInUtmCountsFromARoundPlaceInIt) {
             std::string::npos);
 }
 
+/// It moved the session's origin half the way to it, where floats are centimetres apart.
+TEST_F(ImportedSession, OfAMapInUtmIsNotMovedByAStrayPoint) {
+  const Eigen::Vector3d shift(456'700.0, 5'428'800.0, 0.0);
+  test::MadeMap map = street();
+  map.points.push_back({-shift, 0.5F});
+  write_map(options.map, map, shift);
+  const Session session = imported();
+  EXPECT_NE(said.find("minus 457000 5429000 0"), std::string::npos) << said;
+  EXPECT_NE(said.find("none sees them: 1 after thinning"), std::string::npos) << said;
+}
+
+TEST_F(ImportedSession, OfALocalMapKeepsItsFrameAndDatumBesideAStrayPoint) {
+  test::MadeMap map = street();
+  map.points.push_back({{456'700.0, 5'428'800.0, 0.0}, 0.5F});
+  write_map(options.map, map);
+  options.datum = GeodeticDatum{49.0, 8.0, 100.0};
+  const Session session = imported();
+  EXPECT_EQ(said.find("minus"), std::string::npos) << said;
+  EXPECT_NE(said.find("none sees them: 1 after thinning"), std::string::npos) << said;
+  EXPECT_TRUE(session.datum().has_value());
+}
+
 TEST_F(ImportedSession, HasNoDatumFarAway) {
   write_map(options.map, street(), {456'700.0, 5'428'800.0, 0.0});
   options.datum = GeodeticDatum{49.0, 8.0, 100.0};
