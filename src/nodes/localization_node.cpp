@@ -59,12 +59,12 @@ LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
       context_(context),
       key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },  // there is no back end
                   [this](const RunKeyFrame& received) { record(received); }),
-      initial_pose_(initial_pose_of(config)),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       loader_([](const std::string& what, const std::string& problem) {
         ROS_ERROR_STREAM(what << " failed: " << problem);
       }),
       loads_(loader_.add_channel("reading the map", kPublisherQueue)) {
+  if (const auto T_map_base = initial_pose_of(config)) initial_pose_.set(*T_map_base);
   advertise_topics();
   if (config.record_session) scratch_.emplace(ros::this_node::getName());
   if (!config.map.empty()) {
@@ -140,9 +140,10 @@ void LocalizationNode::set_initial_pose(const geometry_msgs::PoseWithCovarianceS
     throw InputError("the initial pose is in frame '" + message.header.frame_id +
                      "'; give it in '" + config_.node.map_frame + "'");
   }
-  initial_pose_ = from_message(message.pose.pose);
-  ROS_INFO_STREAM("searching near " << initial_pose_->translation.transpose() << " m, heading "
-                                    << yaw_of(initial_pose_->rotation) << " rad");
+  const Pose T_map_base = from_message(message.pose.pose);
+  initial_pose_.set(T_map_base);
+  ROS_INFO_STREAM("searching near " << T_map_base.translation.transpose() << " m, heading "
+                                    << yaw_of(T_map_base.rotation) << " rad");
 }
 
 void LocalizationNode::process_ready() {
@@ -150,13 +151,18 @@ void LocalizationNode::process_ready() {
 }
 
 void LocalizationNode::process(pipeline::PairedScan&& paired) {
+  if (!initial_pose_.carry_to(paired.input)) {
+    ROS_WARN(
+        "the initial pose is left out: odometry was interrupted before a map was read; give it "
+        "again");
+  }
   if (!active_map_) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, loading_);
     return;
   }
-  if (initial_pose_) {
+  if (const auto T_map_base = initial_pose_.take()) {
     withdraw_place();
-    active_map_->localizer.set_initial_pose(*std::exchange(initial_pose_, {}));
+    active_map_->localizer.set_initial_pose(*T_map_base);
   }
   const ThreadTime time;
   paired.input.p_base_lidar = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame)

@@ -17,6 +17,7 @@
 
 #include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/pipeline/drive_recorder.hpp"
+#include "lidar_mapping/pipeline/pose_claim.hpp"
 #include "lidar_mapping/pipeline/scan_pairing.hpp"
 #include "lidar_mapping/pipeline/session_map.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
@@ -100,7 +101,7 @@ class LocalizationNode {
   SensorFrames sensor_frames_;
   tf2_ros::TransformBroadcaster transforms_;
   std::shared_ptr<ActiveMap> active_map_;  ///< none until a map is read
-  std::optional<Pose> initial_pose_;       ///< that the first map is told
+  pipeline::PoseClaim initial_pose_;       ///< that the next scan in a map is told
   std::string loading_ = "no map yet";     ///< why no map is active
   std::optional<Stamp> last_odometry_;     ///< newest one
   ros::WallTime last_scan_;     ///< when the newest one was processed; zero: none, or that was said
