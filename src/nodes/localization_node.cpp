@@ -114,12 +114,14 @@ void LocalizationNode::add_odometry(const nav_msgs::Odometry& message) {
   const Stamp stamp = from_ros(message.header.stamp);
   const double seconds = last_odometry_ ? to_seconds(stamp - *last_odometry_) : 0.0;
   last_odometry_ = stamp;
-  twist_ = message.twist.twist;
   const Pose T_odom_base = from_message(message.pose.pose);
   if (pipeline::DriveRecorder* const recorder = present_recorder()) {
     recorder->add_odometry(stamp, T_odom_base);
   }
-  pairing_.add({stamp, T_odom_base, step_covariance(message, seconds)});
+  pairing_.add({stamp,
+                T_odom_base,
+                step_covariance(message, seconds),
+                {from_message(message.twist.twist), from_array(message.twist.covariance)}});
   process_ready();
 }
 
@@ -171,7 +173,7 @@ void LocalizationNode::process(pipeline::PairedScan&& paired) {
   const double seconds = time.seconds();
   last_scan_ = ros::WallTime::now();
   if (localization::has_pose(result.state)) {
-    publish_pose(result, paired.T_odom_base);
+    publish_pose(result, paired);
     publish_scan(result);
   }
   publish_status(result, seconds);
@@ -192,9 +194,10 @@ void LocalizationNode::watch_scans() {
   report(silent, 0.0);
 }
 
-void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose& T_odom_base) {
+void LocalizationNode::publish_pose(const LocalizationResult& result,
+                                    const pipeline::PairedScan& paired) {
   const NodeFields& frames = config_.node;
-  transforms_.sendTransform(stamped_transform(result.T_map_base * T_odom_base.inverse(),
+  transforms_.sendTransform(stamped_transform(result.T_map_base * paired.T_odom_base.inverse(),
                                               result.stamp, frames.map_frame, frames.odom_frame));
   geometry_msgs::PoseWithCovarianceStamped pose;
   pose.header = header_of(result.stamp, frames.map_frame);
@@ -205,7 +208,8 @@ void LocalizationNode::publish_pose(const LocalizationResult& result, const Pose
   odometry.header = pose.header;
   odometry.child_frame_id = frames.base_frame;
   odometry.pose = pose.pose;
-  odometry.twist.twist = twist_;
+  odometry.twist.twist = to_twist(paired.twist.value);
+  odometry.twist.covariance = to_array(paired.twist.covariance);
   odometry_.publish(odometry);
   extend_path(result);
 }

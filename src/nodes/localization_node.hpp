@@ -70,7 +70,8 @@ class LocalizationNode {
   void process_ready();
   void watch_scans();
   void process(pipeline::PairedScan&& paired);
-  void publish_pose(const localization::LocalizationResult& result, const Pose& T_odom_base);
+  void publish_pose(const localization::LocalizationResult& result,
+                    const pipeline::PairedScan& paired);
   void publish_scan(const localization::LocalizationResult& result);
   void extend_path(const localization::LocalizationResult& result);
   void publish_status(const localization::LocalizationResult& result, double seconds);
@@ -104,9 +105,8 @@ class LocalizationNode {
   pipeline::PoseClaim initial_pose_;       ///< that the next scan in a map is told
   std::string loading_ = "no map yet";     ///< why no map is active
   std::optional<Stamp> last_odometry_;     ///< newest one
-  ros::WallTime last_scan_;     ///< when the newest one was processed; zero: none, or that was said
-  geometry_msgs::Twist twist_;  ///< of the newest odometry
-  std::string state_;           ///< that was logged last
+  ros::WallTime last_scan_;  ///< when the newest one was processed; zero: none, or that was said
+  std::string state_;        ///< that was logged last
   KeyFramePoses path_;
   KeyFrameIndex next_path_index_ = 0;
   ros::Publisher pose_, odometry_, path_topic_, status_, map_cloud_, scan_;

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <vector>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -11,6 +12,8 @@
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "lidar_mapping/common/rotations.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -157,6 +160,13 @@ TEST_F(LocalizationNode, FindsItselfAndPublishesWhereItIs) {
     EXPECT_GT(message.pose.covariance[0], 0.0);
     const Pose truth = truth_at(player_.truth(), from_ros(message.header.stamp));
     EXPECT_TRUE(near(T_truth * from_message(message.pose.pose), truth, 0.2, 0.01));
+  }
+  for (const auto& message : odometry_.messages) {
+    const auto* const odometry = at_stamp(laser_odom_.messages, message.header.stamp);
+    ASSERT_NE(odometry, nullptr);
+    EXPECT_NEAR(message.twist.twist.linear.x, odometry->twist.twist.linear.x, 1e-9);
+    EXPECT_GT(message.twist.covariance[0], 0.0);
+    EXPECT_NEAR(message.twist.covariance[0], odometry->twist.covariance[0], 1e-9);
   }
   EXPECT_EQ(path_.messages.back().header.frame_id, "map");
   EXPECT_GT(map_cloud_.messages.front().width, 1000U);

@@ -38,6 +38,23 @@ TEST(ScanPairing, PairsByEqualStampsWhicheverComesFirst) {
   EXPECT_TRUE(near(pairs[1].input.covariance, diagonal_covariance(0.1, 0.01), 1e-12));
 }
 
+/// A scan had the twist of the newest odometry, and that without its covariance.
+TEST(ScanPairing, GivesEachScanTheTwistOfItsStamp) {
+  ScanPairing pairing;
+  for (const Stamp stamp : {1, 2, 3}) {
+    OdometryStep step = step_at(stamp, 0.0);
+    step.twist.value[0] = static_cast<double>(stamp);
+    step.twist.covariance(0, 0) = 0.1 * static_cast<double>(stamp);
+    pairing.add(step);
+  }
+  for (const Stamp stamp : {1, 2}) pairing.add(scan_at(stamp));
+  const auto pairs = pairing.take_ready();
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs[0].twist.value[0], 1.0);
+  EXPECT_EQ(pairs[1].twist.value[0], 2.0);
+  EXPECT_EQ(pairs[1].twist.covariance(0, 0), 0.2);
+}
+
 TEST(ScanPairing, AddsUpTheMotionOverScansThatWereLost) {
   ScanPairing pairing;
   pairing.add(step_at(1, 0.0));

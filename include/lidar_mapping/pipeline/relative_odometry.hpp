@@ -7,6 +7,13 @@
 
 namespace lidar_mapping::pipeline {
 
+/// A twist of base_link in its own axes (m/s, rad/s) with its covariance; a covariance of zero is
+/// not known.
+struct StatedTwist {
+  Vector6d value = Vector6d::Zero();             ///< Translation before rotation.
+  Covariance6 covariance = Covariance6::Zero();  ///< Of `value`.
+};
+
 /// What an odometry says at the stamp of a scan.
 struct OdometryStep {
   Stamp stamp = 0;   ///< That of the scan.
@@ -14,6 +21,7 @@ struct OdometryStep {
   /// Of the motion since the previous step, in the axes of base_link; none where odometry does not
   /// lead here from there.
   std::optional<Covariance6> covariance;
+  StatedTwist twist = {};  ///< At that stamp.
 };
 
 /// Adds up the steps of odometry from one scan that is localised to the next, also where scans in

@@ -13,7 +13,8 @@ namespace lidar_mapping::pipeline {
 struct PairedScan {
   /// The scan, and the motion since the one that was paired before.
   localization::LocalizerInput input;
-  Pose T_odom_base;  ///< At the stamp of the scan.
+  Pose T_odom_base;   ///< At the stamp of the scan.
+  StatedTwist twist;  ///< At the stamp of the scan.
 };
 
 /// Pairs scans with odometry by equal stamps, whichever comes first. Scans that were lost on their

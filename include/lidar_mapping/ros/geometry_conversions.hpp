@@ -65,6 +65,8 @@ geometry_msgs::Vector3 to_message(const Eigen::Vector3d& vector);
 Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector);
 /// A twist: linear (m/s), then angular (rad/s).
 geometry_msgs::Twist to_twist(const Vector6d& twist);
+/// The other way round.
+Vector6d from_message(const geometry_msgs::Twist& twist);
 
 /// The covariance as a message has it, made exactly symmetric.
 CovarianceArray to_array(const Covariance6& covariance);

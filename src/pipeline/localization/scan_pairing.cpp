@@ -54,6 +54,7 @@ PairedScan ScanPairing::paired(Scan&& scan) {
     steps_.erase(steps_.begin());
     motion_.add(step);
     result.T_odom_base = step.T_odom_base;
+    result.twist = step.twist;
   }
   result.input = motion_.input_of(std::move(scan));
   return result;

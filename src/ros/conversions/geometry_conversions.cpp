@@ -97,6 +97,13 @@ Pose from_message(const geometry_msgs::Pose& pose) {
   return checked({q.w, q.x, q.y, q.z}, {pose.position.x, pose.position.y, pose.position.z});
 }
 
+Vector6d from_message(const geometry_msgs::Twist& twist) {
+  Vector6d result;
+  result << twist.linear.x, twist.linear.y, twist.linear.z,  //
+      twist.angular.x, twist.angular.y, twist.angular.z;
+  return result;
+}
+
 Pose from_message(const geometry_msgs::Transform& transform) {
   const auto& q = transform.rotation;
   return checked({q.w, q.x, q.y, q.z}, from_message(transform.translation));
