@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <csignal>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -99,6 +100,18 @@ TEST_F(LocalizeBag, LeavesAFolderAloneThatIsNotEmpty) {
   std::ofstream(folder_.path() / "diary.txt") << "mine";
   EXPECT_EQ(localize(other_day(), folder_.path()), 1);
   EXPECT_TRUE(has_said("exists and is no empty folder"));
+}
+
+/// It said that no scan could be used, and ended as if the drive were at fault.
+TEST_F(LocalizeBag, EndsAsStoppedByCtrlCWhileItReadsTheMap) {
+  const Words words = {other_day(), map(), "-o", root() / "stopped", "--duration", "4"};
+  const fs::path log = root() / "log";
+  test::Program program("localize_bag", words, log);
+  while (!test::holds(content_of(log), "\n") && !program.ends_within(0.001)) {  // it reads the map
+  }
+  program.kill(SIGINT);
+  EXPECT_EQ(program.wait(), 3) << said();
+  EXPECT_TRUE(has_said("stopped "));
 }
 
 TEST_F(LocalizeBag, WritesFiguresAsJson) {

@@ -110,6 +110,10 @@ class LocalizingRun {
     LocalizedDrive localized(map.index(), initial_pose_of(options_),
                              extender_ ? &*extender_ : nullptr);
     read(*drive.input, part, localized);
+    if (localized.scans().empty() && stop_requested_ != 0) {
+      print({"stopped before the first scan was localised: there are no results"});
+      return kStoppedEarly;
+    }
     if (localized.scans().empty()) {
       throw InputError("no scan could be used; the lines above say why");
     }
