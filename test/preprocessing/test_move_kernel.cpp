@@ -209,6 +209,43 @@ TEST(MoveKernel, WiderInstructionsGiveTheSame) {
   }
 }
 
+std::vector<MoveKernel> all_kernels() {
+  std::vector<MoveKernel> kernels = {portable_move_kernel()};
+  for (const MoveKernel kernel : {avx2_move_kernel(), avx512_move_kernel()})
+    if (kernel != nullptr) kernels.push_back(kernel);
+  return kernels;
+}
+
+// The box is on the vehicle: the motion must not carry points out of it or into it.
+TEST(MoveKernel, ComparesMeasuredPointsWithTheBox) {
+  const MotionSlot ahead = {{1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0}, {0, 0, 0}, {0, 0, 0}};
+  const KeepRule rule{0.0F,
+                      1e6F,
+                      true,
+                      {-9.0F, -9.0F, -9.0F},
+                      {9.0F, 9.0F, 90.0F},
+                      {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+  const PointCloud cloud = cloud_in(Order::kByTime, 1003);
+  const std::vector<unsigned char> bytes = packed(cloud, kLayouts[0]);
+  std::vector<float> expected;
+  for (const Point& p : cloud.points) {
+    const bool inside = std::abs(p.x) < 9.0F && std::abs(p.y) < 9.0F && p.z > -9.0F && p.z < 90.0F;
+    if (!inside) expected.push_back(p.intensity);
+  }
+  ASSERT_LT(expected.size(), cloud.size());
+  for (const MoveKernel kernel : all_kernels()) {
+    for (const float* times : {static_cast<const float*>(nullptr), cloud.times.data()}) {
+      std::vector<float> points(4 * cloud.size()), kept_times(cloud.size());
+      const MoveResult result = kernel(
+          {bytes.data() + kBefore, kLayouts[0].step, kLayouts[0].intensity, times, cloud.size()},
+          {points.data(), kept_times.data()}, rule, {&ahead, 1, -0.05F, 1.0F / 0.11F}, true);
+      EXPECT_EQ(result.not_finite, 0U);
+      ASSERT_EQ(result.kept, expected.size());
+      for (std::size_t i = 0; i < result.kept; ++i) EXPECT_EQ(points[4 * i + 3], expected[i]);
+    }
+  }
+}
+
 TEST(TimesKernel, CopiesAndFindsTheSpan) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const std::size_t count : {1U, 7U, 8U, 1003U}) {

@@ -89,6 +89,24 @@ TEST(ScanPass, RemovesTheVehicle) {
   EXPECT_EQ(cloud.points[0].intensity, 2.0F);
 }
 
+// Motion compensation carries what rides along out of the box, and a thing beside it into it.
+TEST(ScanPass, RemovesTheVehicleWhereItWasMeasured) {
+  PreprocessingConfig config;
+  config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
+  const auto straight = [](double) { return Eigen::Vector3d::Zero().eval(); };
+  const auto fast = [](double, const Eigen::Vector3d&) { return Eigen::Vector3d(11.0, 0.0, 0.0); };
+  const ScanMotion motion = *integrated(0.0, 0.1, straight, fast);
+  PointCloud cloud;
+  cloud.points = {{2.9F, 0, -1, 1}, {2.9F, 0, -1, 2}, {-2.5F, 0, -1, 3}, {-2.5F, 0, -1, 4}};
+  cloud.times = {0.0F, 0.1F, 0.0F, 0.1F};
+  keep_and_deskew(packed_in(cloud), cloud, Pose{Eigen::Quaterniond::Identity(), {0, 0, 2}},
+                  PassLimits(config), &motion);
+  ASSERT_EQ(cloud.size(), 2U);
+  EXPECT_EQ(cloud.points[0].intensity, 3.0F);
+  EXPECT_EQ(cloud.points[1].intensity, 4.0F);
+  EXPECT_NEAR(cloud.points[1].x, -1.4F, 1e-3);
+}
+
 TEST(ScanPass, RemovesTheVehicleForAnySensorPose) {
   PreprocessingConfig config;
   config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};

@@ -30,10 +30,10 @@ enum class PointTimesAfter {
 
 /// Filters and deskews the points of a raw scan in one pass. The points are read from `packed` and
 /// written to the cloud, which has their times and room for them (packed_in(cloud) works in place).
-/// Points are dropped if they are not finite, at the sensor itself, out of range or on the vehicle.
-/// With a `motion` (of the sensor), the other points are moved to where the sensor would have
-/// measured them at the scan's stamp. The points stay in the sensor's frame. Their times are kept
-/// or dropped. Returns the number of points that are not finite.
+/// Points are dropped if they are not finite, or if the sensor measured them at itself, out of
+/// range or on the vehicle. With a `motion` (of the sensor), the other points are moved to where
+/// the sensor would have measured them at the scan's stamp. The points stay in the sensor's frame.
+/// Their times are kept or dropped. Returns the number of points that are not finite.
 std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
                             const Pose& T_base_sensor, const PassLimits& limits,
                             const ScanMotion* motion,

@@ -6,7 +6,8 @@
 namespace lidar_mapping::preprocessing {
 
 /// The rule which points are kept: by their squared distance from the sensor, and outside of a box
-/// in a frame of its own; `to_box` ([R | t], row-major) maps the moved points to that frame.
+/// in a frame of its own; `to_box` ([R | t], row-major) maps points to that frame. Both apply to
+/// the points as they were measured: the box is on the vehicle, which the sensor moves with.
 struct KeepRule {
   float near_squared;
   float far_squared;

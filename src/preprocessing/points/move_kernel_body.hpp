@@ -231,8 +231,13 @@ LIDAR_MAPPING_INLINE Coordinates moved_timed(const Slots& slots, int slot, const
   return moved_each(slots, positions, copy);
 }
 
-LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Coordinates& moved) {
-  const Coordinates p = moved_by(rule.to_box, moved);
+/// m^2, smaller than any square, by definition: the rule keeps no point with it.
+constexpr float kNeverKept = -1.0F;
+
+/// Whether a point lies in the box where it was measured: the motion during the scan would carry
+/// what rides along out of it.
+LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Coordinates& raw) {
+  const Coordinates p = moved_by(rule.to_box, raw);
   return (p.x > rule.box_min[0]) & (p.x < rule.box_max[0]) & (p.y > rule.box_min[1]) &
          (p.y < rule.box_max[1]) & (p.z > rule.box_min[2]) & (p.z < rule.box_max[2]);
 }
@@ -300,6 +305,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
   }
   Coordinates p = coordinates_of(points);
   Floats range = plus(plus(p.z * p.z, p.y, p.y), p.x, p.x);
+  if (rule.has_box) range = is_inside(rule, p) ? all(kNeverKept) : range;
   if constexpr (has_times) {
     Floats time;
     load(times, time);
@@ -309,8 +315,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
   } else {
     p = moved_by(slots.first->transform, p);
   }
-  Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);  // NaN fails
-  if (rule.has_box) keep &= ~is_inside(rule, p);
+  const Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);  // NaN fails
   if (source.intensity != 3 * sizeof(float)) put_intensities(source, from, points);
   clear_bad_intensities(points);
   put(p, points);
