@@ -113,7 +113,7 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
       reader_(config.stage),
       input_check_(context, config.stage,
                    [this](const std::string& frame) { return T_base(frame); }),
-      merger_(config.stage.scan_period),
+      merger_(config.stage),
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
       publisher_(context, config.node),

@@ -244,7 +244,8 @@ class RecordedBags : public BagInput {
         held->stamp, [held = *held, others, this](PointCloud buffer) {
           preprocessing::RawScan scan = decoded(held.cloud, held.stamp, std::move(buffer));
           for (const auto& other : others) {
-            preprocessing::append_points(scan, other->decoded(reader_), other->T_main_other());
+            preprocessing::append_points(scan, other->decoded(reader_), other->T_main_other(),
+                                         preprocessing::PassLimits(config_));
           }
           return scan;
         }};

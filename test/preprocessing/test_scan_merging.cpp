@@ -28,12 +28,14 @@ std::vector<float> times_of_others(const RawScan& scan) {
   return {scan.cloud.times.begin() + 10, scan.cloud.times.end()};
 }
 
+const PassLimits kLimits{PreprocessingConfig{}};
+
 /// Two poses of which the second is known in the first by hand.
 const Pose kTurned{exp_so3({0.0, 0.0, 1.5707963267948966}), {5.0, 0.0, 1.0}};
 
 TEST(ScanMerging, PointsOfTheScansTimeAreMovedAndAppended) {
   RawScan main = scan(0.0, "main");
-  EXPECT_EQ(append_points(main, scan(0.045, "other"), kTurned), 5U);
+  EXPECT_EQ(append_points(main, scan(0.045, "other"), kTurned, kLimits), 5U);
   ASSERT_EQ(main.cloud.size(), 15U);
   ASSERT_EQ(main.cloud.times.size(), 15U);
   for (std::size_t i = 10; i < 15; ++i) {
@@ -44,21 +46,42 @@ TEST(ScanMerging, PointsOfTheScansTimeAreMovedAndAppended) {
     EXPECT_NEAR(main.cloud.times[i], p.intensity, 1e-6);
   }
   // A scan that is stamped at its end.
-  EXPECT_EQ(append_points(main, scan(0.145, "other", -0.1), kTurned), 5U);
-  EXPECT_EQ(append_points(main, scan(0.2, "other"), kTurned), 0U);
+  EXPECT_EQ(append_points(main, scan(0.145, "other", -0.1), kTurned, kLimits), 5U);
+  EXPECT_EQ(append_points(main, scan(0.2, "other"), kTurned, kLimits), 0U);
 }
 
 TEST(ScanMerging, WithoutTimesNothingIsAppended) {
   RawScan main = scan(0.0, "main"), other = scan(0.0, "other");
   other.cloud.times.clear();
-  EXPECT_EQ(append_points(main, other, {}), 0U);
+  EXPECT_EQ(append_points(main, other, {}, kLimits), 0U);
   main.cloud.times.clear();
-  EXPECT_EQ(append_points(main, scan(0.0, "other"), {}), 0U);
+  EXPECT_EQ(append_points(main, scan(0.0, "other"), {}, kLimits), 0U);
   EXPECT_EQ(main.cloud.size(), 10U);
 }
 
+// Rays without a return would become points at the place of the other LiDAR.
+TEST(ScanMerging, TheRangeIsThatFromTheOtherLidar) {
+  PreprocessingConfig config;
+  config.distance_near_thresh = 2.0;
+  config.distance_far_thresh = 20.0;
+  const PassLimits limits(config);
+  RawScan other = scan(0.0, "other");
+  for (Point& point : other.cloud.points) point.x = point.y = point.z = 0.0F;
+  other.cloud.points[3] = {1.9F, 0.0F, 0.0F, 3.0F};
+  other.cloud.points[4] = {2.1F, 0.0F, 0.0F, 4.0F};
+  other.cloud.points[5] = {0.0F, 19.9F, 0.0F, 5.0F};
+  other.cloud.points[6] = {0.0F, 20.1F, 0.0F, 6.0F};
+  RawScan main = scan(0.0, "main");
+  EXPECT_EQ(append_points(main, other, kTurned, limits), 2U);
+  ASSERT_EQ(main.cloud.size(), 12U);
+  EXPECT_EQ(main.cloud.points[10].intensity, 4.0F);
+  EXPECT_EQ(main.cloud.points[11].intensity, 5.0F);
+  config.use_distance_filter = false;
+  EXPECT_EQ(append_points(main, other, kTurned, PassLimits(config)), 4U) << "all with a return";
+}
+
 TEST(ScanMerger, AloneNothingWaits) {
-  ScanMerger merger(0.1);
+  ScanMerger merger{PreprocessingConfig{}};
   for (int i = 0; i < 5; ++i) {
     const auto complete = merger.add(scan(0.1 * i, "main"), {});
     ASSERT_EQ(complete.size(), 1U);
@@ -68,7 +91,7 @@ TEST(ScanMerger, AloneNothingWaits) {
 }
 
 TEST(ScanMerger, AScanHasThePointsOfAllOthersOfItsTimeOnce) {
-  ScanMerger merger(0.1);
+  ScanMerger merger{PreprocessingConfig{}};
   std::vector<RawScan> complete;
   const auto take = [&](std::vector<RawScan> scans) {
     for (RawScan& scan : scans) complete.push_back(std::move(scan));
@@ -94,7 +117,7 @@ TEST(ScanMerger, AScanHasThePointsOfAllOthersOfItsTimeOnce) {
 }
 
 TEST(ScanMerger, AMissingOtherDelaysOneScanOnly) {
-  ScanMerger merger(0.1);
+  ScanMerger merger{PreprocessingConfig{}};
   merger.add_other(scan(0.0, "other"), {});
   EXPECT_TRUE(merger.add(scan(0.0, "main"), {}).empty());
   EXPECT_EQ(merger.add(scan(0.1, "main"), {}).size(), 1U);
@@ -105,7 +128,7 @@ TEST(ScanMerger, AMissingOtherDelaysOneScanOnly) {
 
 // A recording that starts again. Scans of the time before must not hide those of the new one.
 TEST(ScanMerger, GoesOnWhenTimeGoesBack) {
-  ScanMerger merger(0.1);
+  ScanMerger merger{PreprocessingConfig{}};
   for (const double start : {100.0, 0.0}) {
     for (int i = 0; i < 5; ++i) {
       merger.add_other(scan(start + 0.1 * i, "other"), {});
@@ -118,7 +141,7 @@ TEST(ScanMerger, GoesOnWhenTimeGoesBack) {
 }
 
 TEST(ScanMerger, PlacesAreThoseOnTheVehicle) {
-  ScanMerger merger(0.1);
+  ScanMerger merger{PreprocessingConfig{}};
   const Pose T_base_main{exp_so3({0.1, 0.2, 0.3}), {1.0, 0.0, 2.0}};
   merger.add_other(scan(0.0, "other"), T_base_main * kTurned);
   merger.add(scan(0.0, "main"), T_base_main);

@@ -8,15 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 /// Appends those points of another LiDAR's scan to a scan that were measured between its first and
-/// last point, in its frame and with times relative to its stamp. Returns their number: 0 if one of
-/// the scans has no times, or they do not overlap. The scan is unpacked; the other one has to
-/// be.
-std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_scan_other);
+/// last point, in its frame and with times relative to its stamp. Points that are out of the range
+/// of the limits from the other LiDAR are left out, as rays without a return. Returns their number:
+/// 0 if one of the scans has no times, or they do not overlap. The scan is unpacked; the other one
+/// has to be.
+std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_scan_other,
+                          const PassLimits& limits);
 
 /// How far apart the stamps of scans with points of the same time may be, s: one stamped at its
 /// beginning and one at its end, each a turn.
@@ -27,8 +31,9 @@ inline double merging_reach(double scan_period) { return 2.0 * scan_period; }
 /// One thread calls it.
 class ScanMerger {
  public:
-  /// `scan_period`: of all LiDARs, s.
-  explicit ScanMerger(double scan_period) : reach_(from_seconds(merging_reach(scan_period))) {}
+  /// The scan period and the range of the configuration are those of all LiDARs.
+  explicit ScanMerger(const PreprocessingConfig& config)
+      : reach_(from_seconds(merging_reach(config.scan_period))), limits_(config) {}
 
   /// Whether there was a scan of another LiDAR.
   bool has_others() const { return !others_.empty(); }
@@ -50,6 +55,7 @@ class ScanMerger {
   bool is_accompanied(Stamp scan) const;
 
   Stamp reach_;
+  PassLimits limits_;
   std::map<std::string, std::deque<PlacedScan>> others_;  ///< by their frames, stamps rise
   std::optional<PlacedScan> held_;
 };

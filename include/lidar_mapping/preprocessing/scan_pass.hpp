@@ -16,6 +16,13 @@ struct PassLimits {
   /// the sensor are too near.
   explicit PassLimits(const PreprocessingConfig& config);
 
+  /// Whether a point, in the frame of its own sensor (m), is too near or too far. One that is not a
+  /// number is neither.
+  bool is_out_of_range(const Point& point) const {
+    const float squared = point.position().squaredNorm();
+    return squared < near_squared || squared > far_squared;
+  }
+
   float near_squared;       ///< square of the least range from the sensor, m^2
   float far_squared;        ///< square of the greatest range from the sensor, m^2
   Eigen::Vector3f box_min;  ///< box around the vehicle, m, in base_link; empty if min = max

@@ -17,7 +17,8 @@ constexpr double kRounding = 1e-6;
 
 }  // namespace
 
-std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_scan_other) {
+std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_scan_other,
+                          const PassLimits& limits) {
   scan.unpack();
   if (!scan.cloud.has_times() || !other.cloud.has_times()) return 0;
   const TimeSpan span = scan.time_span ? *scan.time_span : time_span(scan.cloud);
@@ -31,6 +32,7 @@ std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_sca
     if (!(time >= span.begin - kRounding && time <= span.end + kRounding))
       continue;  // or not a number
     const Point& point = other.cloud.points[i];
+    if (limits.is_out_of_range(point)) continue;
     const Eigen::Vector3f p = R * point.position() + t;
     scan.cloud.points.push_back({p.x(), p.y(), p.z(), point.intensity});
     scan.cloud.times.push_back(static_cast<float>(std::clamp(time, span.begin, span.end)));
@@ -75,7 +77,7 @@ std::optional<RawScan> ScanMerger::flush() {
     while (!scans.empty() && scans.front().scan.stamp < stamp - reach_) scans.pop_front();
     for (const PlacedScan& other : scans) {
       if (other.scan.stamp > stamp + reach_) break;
-      append_points(held->scan, other.scan, T_scan_base * other.T_base_scan);
+      append_points(held->scan, other.scan, T_scan_base * other.T_base_scan, limits_);
     }
   }
   return std::move(held->scan);
