@@ -47,8 +47,8 @@ void score(const CheckedStep& step, CampaignFigures& figures) {
 std::pair<Scan, front_end::MotionPrior> input_at(const simulation::Drive& drive, std::size_t i,
                                                  std::optional<ImuFeed>& feed) {
   if (auto fed = feed ? feed->next(i) : std::nullopt) {
-    return {std::move(fed->scan),
-            front_end::prior_of(fed->imu, fed->velocity, fed->uneven_turning, fed->felt)};
+    return {std::move(fed->scan), front_end::prior_of(fed->imu, fed->velocity, fed->uneven_turning,
+                                                      fed->felt, fed->fingerprint)};
   }
   simulation::SimulatedScan scan = drive.scan(i);
   return {{scan.stamp, std::move(scan.cloud)}, {}};

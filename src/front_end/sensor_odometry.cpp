@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "lidar_mapping/common/cloud_fingerprint.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
 #include "judgement/covariance_inflation.hpp"
@@ -45,7 +46,7 @@ Eigen::Vector3d SensorOdometry::angular_velocity() const {
 
 FrontEndResult SensorOdometry::process(const Scan& received, const MotionPrior& prior) {
   check_stamp(received.stamp);
-  if (matches_scans_ && repeated_scans_.is_repeated(received.cloud) && tracked_)
+  if (matches_scans_ && is_repeated(received.cloud, prior) && tracked_)
     return coast(received.stamp);
   timer_.start("isolated points");
   const PointCorrection correction = correction_of(prior);
@@ -87,7 +88,7 @@ void SensorOdometry::resume(KeyFrameIndex next_index, std::uint32_t next_segment
   key_frames_.resume(next_index);
   last_.reset();
   tracked_.reset();
-  repeated_scans_.reset();
+  last_fingerprint_.reset();
   ride_detector_.interrupt();
   provisional_.clear();
   tracker_->restart();
@@ -103,6 +104,13 @@ void SensorOdometry::check_stamp(Stamp stamp) const {
   if (!last_stamp_ || stamp > *last_stamp_) return;
   throw InputError("front_end: stamp " + std::to_string(stamp) + " ns does not come after " +
                    std::to_string(*last_stamp_) + " ns; drop scans that are out of order");
+}
+
+/// True if a driver that hangs delivers the points of the previous scan again under a new stamp.
+bool SensorOdometry::is_repeated(const PointCloud& cloud, const MotionPrior& prior) {
+  const auto fingerprint = prior.fingerprint ? prior.fingerprint : cloud_fingerprint(cloud);
+  const auto last = std::exchange(last_fingerprint_, fingerprint);
+  return fingerprint && fingerprint == last;
 }
 
 /// A repeated scan is not matched: it would fit at the last pose.

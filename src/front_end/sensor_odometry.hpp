@@ -12,7 +12,6 @@
 
 #include "key_frame_maker.hpp"
 #include "motion/vertical_ride_detector.hpp"
-#include "scan/cloud_fingerprint.hpp"
 #include "scan/isolated_point_filter.hpp"
 #include "tracking/sweep_times_validator.hpp"
 #include "tracking/tracker.hpp"
@@ -49,6 +48,7 @@ class SensorOdometry {
   };
 
   void check_stamp(Stamp stamp) const;
+  bool is_repeated(const PointCloud& cloud, const MotionPrior& prior);
   FrontEndResult coast(Stamp stamp);
   PointCorrection correction_of(const MotionPrior& prior) const;
   static std::optional<Scan> changed_scan(const Scan& scan, const MotionPrior& prior,
@@ -65,7 +65,7 @@ class SensorOdometry {
 
   bool matches_scans_;  ///< false if the odometry is external
   StepTimer timer_;
-  RepeatedScans repeated_scans_;
+  std::optional<std::uint64_t> last_fingerprint_;  ///< of the previous scan, if it has one
   IsolatedPointFilter isolated_point_filter_;
   std::unique_ptr<Tracker> tracker_;
   std::optional<SweepTimesValidator> times_validator_;  ///< empty if finished, or if there is none

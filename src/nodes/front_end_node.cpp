@@ -122,9 +122,9 @@ void FrontEndNode::subscribe_sensors() {
           then_process([this](const auto& m) { add_cloud(m); })),
       subscribe<SyncedInputsMessage>(
           context_, "synced_inputs", capacity, then_process([this](const auto& m) {
-            assembler_.add_inputs(
-                from_ros(m.header.stamp),
-                {m.imu != 0, m.velocity != 0, m.gnss != 0, uneven_turning_of(m), felt_force_of(m)});
+            assembler_.add_inputs(from_ros(m.header.stamp),
+                                  {m.imu != 0, m.velocity != 0, m.gnss != 0, uneven_turning_of(m),
+                                   felt_force_of(m), fingerprint_of(m)});
           })),
       subscribe<sensor_msgs::Imu>(
           context_, "synced_imu", capacity,

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "lidar_mapping/common/cloud_fingerprint.hpp"
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
@@ -27,6 +28,12 @@ void RawScan::unpack() {
     from += packed->step;
   }
   packed.reset();
+}
+
+void RawScan::take_fingerprint() {
+  if (fingerprint) return;
+  fingerprint = packed ? cloud_fingerprint(packed->first, packed->step, cloud.size())
+                       : cloud_fingerprint(cloud);
 }
 
 class Preprocessor::Impl {
@@ -168,6 +175,8 @@ class Preprocessor::Impl {
     SyncedScan result = values_at(scan.raw.stamp);
     result.frame_id = scan.raw.frame_id;
     result.T_base_lidar = *T_base_lidar;
+    scan.raw.take_fingerprint();
+    result.fingerprint = scan.raw.fingerprint;
     result.scan.cloud = filtered_cloud(std::move(scan), *T_base_lidar, result);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;

@@ -201,6 +201,7 @@ class RecordedBags : public BagInput {
                        "' at a scan of " + std::to_string(to_seconds(scan.stamp)) + " s");
     }
     scan.unpack();
+    scan.take_fingerprint();
     scan.cloud = transformed(scan.cloud, *T_base);
     scan.frame_id = frames_.base_frame();
   }

@@ -123,7 +123,8 @@ class OdometryInOtherBase {
   void take(const preprocessing::SyncedScan& synced) {
     front_end_.set_sensor_pose(synced.T_base_lidar);
     const front_end::FrontEndResult result = front_end_.process(
-        synced.scan, front_end::prior_of(synced.imu, synced.velocity, std::nullopt, std::nullopt));
+        synced.scan, front_end::prior_of(synced.imu, synced.velocity, std::nullopt, std::nullopt,
+                                         synced.fingerprint));
     put(result.finalized);
     lost_ += result.status.state == front_end::TrackingState::kLost ? 1 : 0;
     key_frames_ += result.key_frame ? 1 : 0;

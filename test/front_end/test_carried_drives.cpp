@@ -43,7 +43,8 @@ Outcome follow(const simulation::Drive& drive) {
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const preprocessing::SyncedScan synced = scans.next(i).value();
     const FrontEndResult& result = ride.process(
-        synced.scan, prior_of(synced.imu, std::nullopt, synced.uneven_turning, synced.felt));
+        synced.scan,
+        prior_of(synced.imu, std::nullopt, synced.uneven_turning, synced.felt, synced.fingerprint));
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstring>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/cloud_fingerprint.hpp"
+
 #include "motion/coasting.hpp"
-#include "scan/cloud_fingerprint.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -18,47 +21,60 @@ PointCloud cloud_of(std::size_t size) {
   return cloud;
 }
 
-TEST(RepeatedScans, AreDetected) {
-  RepeatedScans scans;
+TEST(CloudFingerprint, TellsTheSameCloudFromOthers) {
   PointCloud cloud = cloud_of(3000);
-  EXPECT_FALSE(scans.is_repeated(cloud));
-  EXPECT_TRUE(scans.is_repeated(cloud));
-  EXPECT_TRUE(scans.is_repeated(cloud));
-  for (Point& point : cloud.points) point.x += 0.001F;
-  EXPECT_FALSE(scans.is_repeated(cloud));
-  EXPECT_TRUE(scans.is_repeated(cloud));
+  const auto first = cloud_fingerprint(cloud);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(cloud_fingerprint(cloud), first);
+  PointCloud moved = cloud;
+  for (Point& point : moved.points) point.x += 0.001F;
+  EXPECT_NE(cloud_fingerprint(moved), first);
   cloud.points.pop_back();
-  EXPECT_FALSE(scans.is_repeated(cloud));
+  EXPECT_NE(cloud_fingerprint(cloud), first);
 }
 
-TEST(RepeatedScans, IgnoreIntensitiesAndTheLastBits) {
-  RepeatedScans scans;
+TEST(CloudFingerprint, IgnoresIntensitiesAndTheLastBits) {
   PointCloud cloud = cloud_of(3000);
-  scans.is_repeated(cloud);
+  const auto before = cloud_fingerprint(cloud);
   for (Point& point : cloud.points) {
     point.intensity += 1.0F;
     point.y *= 1.0F + std::numeric_limits<float>::epsilon();
   }
   // A coordinate may lie between two steps; those of this cloud do not.
-  EXPECT_TRUE(scans.is_repeated(cloud));
+  EXPECT_EQ(cloud_fingerprint(cloud), before);
+}
+
+TEST(CloudFingerprint, ReadsPointsInTheLayoutOfADriver) {
+  const PointCloud cloud = cloud_of(1000);
+  constexpr std::size_t kBefore = 3, kStep = 22;  // bytes: nothing is aligned
+  std::vector<unsigned char> bytes(kBefore + kStep * cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    std::memcpy(&bytes[kBefore + kStep * i], &cloud.points[i], 3 * sizeof(float));
+  EXPECT_EQ(cloud_fingerprint(bytes.data() + kBefore, kStep, cloud.size()),
+            cloud_fingerprint(cloud));
 }
 
 // A cloud of 16 rings that is stored firing by firing; the first ring sees only the sky.
-TEST(RepeatedScans, AreNotMistakenForScansWithARingWithoutPoints) {
+TEST(CloudFingerprint, SeesChangesBesideARingWithoutPoints) {
   PointCloud cloud = cloud_of(16 * 1792);
   for (std::size_t i = 0; i < cloud.size(); i += 16)
     cloud.points[i].x = cloud.points[i].y = std::numeric_limits<float>::quiet_NaN();
-  RepeatedScans scans;
-  EXPECT_FALSE(scans.is_repeated(cloud));
+  const auto before = cloud_fingerprint(cloud);
+  ASSERT_TRUE(before);
   for (Point& point : cloud.points) point.x += 0.5F;
-  EXPECT_FALSE(scans.is_repeated(cloud));
+  EXPECT_NE(cloud_fingerprint(cloud), before);
 }
 
-TEST(RepeatedScans, AreNotDetectedIfNearlyEmpty) {
-  RepeatedScans scans;
-  EXPECT_FALSE(scans.is_repeated(cloud_of(10)));
-  EXPECT_FALSE(scans.is_repeated(cloud_of(10)));
-  EXPECT_FALSE(scans.is_repeated({}));
+// As in a field: nearly all rays of an organised cloud are without a return, and equal.
+TEST(CloudFingerprint, IsEmptyIfThereAreHardlyAnyReturns) {
+  EXPECT_FALSE(cloud_fingerprint(cloud_of(10)));
+  EXPECT_FALSE(cloud_fingerprint({}));
+  for (const float none : {0.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    PointCloud cloud = cloud_of(20000);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (i % 100 != 0) cloud.points[i] = {none, none, none, 0.0F};
+    EXPECT_FALSE(cloud_fingerprint(cloud));
+  }
 }
 
 TEST(Coasting, ContinuesTheMotionWithGrowingCovariance) {

@@ -194,13 +194,13 @@ TEST(PriorOf, TreatsAZeroRotationRateOfTheVelocityAsNotMeasured) {
   imu.angular_velocity = {0.0, 0.0, 0.2};
   VelocitySample velocity;
   velocity.linear = {3.0, 0.0, 0.0};
-  MotionPrior prior = prior_of(imu, velocity, std::nullopt, std::nullopt);
+  MotionPrior prior = prior_of(imu, velocity, std::nullopt, std::nullopt, std::nullopt);
   EXPECT_EQ(prior.angular_velocity.value(), imu.angular_velocity);
   EXPECT_EQ(prior.linear_velocity.value(), velocity.linear);
   EXPECT_FALSE(prior.velocity_turning);
   velocity.angular = {0.0, 0.0, 0.1};
   imu.has_angular_velocity = false;
-  prior = prior_of(imu, velocity, std::nullopt, std::nullopt);
+  prior = prior_of(imu, velocity, std::nullopt, std::nullopt, std::nullopt);
   EXPECT_FALSE(prior.angular_velocity);
   EXPECT_EQ(prior.velocity_turning.value(), velocity.angular);
 }

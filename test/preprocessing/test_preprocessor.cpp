@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/cloud_fingerprint.hpp"
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
+
 #include "straight_drive.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -34,6 +37,74 @@ TEST(Preprocessor, DoesNotChangeTheStampOfAScan) {
     EXPECT_EQ(scans[i].velocity->stamp, scans[i].scan.stamp);
     EXPECT_EQ(scans[i].gnss->stamp, scans[i].scan.stamp);
   }
+}
+
+/// A ring of points that were measured one after the other, each with an error of its own.
+RawScan noisy_scan(Stamp stamp, std::mt19937& engine) {
+  std::normal_distribution<float> error(0.0F, 0.02F);
+  RawScan scan = ring_scan(stamp);
+  for (Point& point : scan.cloud.points) {
+    point.z += error(engine);
+    scan.cloud.times.push_back(0.001F * static_cast<float>(scan.cloud.times.size()));
+  }
+  return scan;
+}
+
+/// Scans of a driver that hangs from number `frozen` on, in a bend that is ever tighter.
+std::vector<SyncedScan> frozen_drive(PreprocessingConfig config, std::size_t frozen) {
+  config.use_gnss = false;
+  Preprocessor stage(config, identity_lookup);
+  std::mt19937 engine(3);
+  RawScan raw;
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 200; ++i) {
+    const double rate = 2.5e-5 * i * i;
+    stage.add_imu(imu(at(0.01 * i), {0.0, 0.0, rate}), "imu");
+    stage.add_velocity(velocity(at(0.01 * i), {10.0, 0.0, 0.0}, {0.0, 0.0, rate}), "imu");
+    if (i % 10 != 5) continue;
+    if (static_cast<std::size_t>(i / 10) <= frozen) raw = noisy_scan(0, engine);
+    raw.stamp = at(0.01 * i);
+    append(scans, stage.process(raw));
+  }
+  append(scans, stage.flush());
+  return scans;
+}
+
+// The points that are handed on differ: each time they are moved by another motion.
+TEST(Preprocessor, TellsTheSamePointsOfADriverThatHangs) {
+  for (const bool with_velocity : {false, true}) {
+    PreprocessingConfig config;
+    config.use_velocity = with_velocity;
+    const auto scans = frozen_drive(config, 9);
+    ASSERT_EQ(scans.size(), 20U);
+    for (std::size_t i = 2; i < scans.size(); ++i) {
+      ASSERT_TRUE(scans[i].fingerprint);
+      EXPECT_EQ(scans[i].fingerprint == scans[i - 1].fingerprint, i > 9) << i;
+      EXPECT_NE(cloud_fingerprint(scans[i].scan.cloud), cloud_fingerprint(scans[i - 1].scan.cloud));
+    }
+  }
+}
+
+TEST(Preprocessor, TellsScansOfAStandingSensorApart) {
+  Preprocessor stage({}, identity_lookup);
+  std::mt19937 engine(3);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 20; ++i) append(scans, stage.process(noisy_scan(at(0.1 * i), engine)));
+  append(scans, stage.flush());
+  ASSERT_EQ(scans.size(), 20U);
+  for (std::size_t i = 1; i < scans.size(); ++i)
+    EXPECT_NE(scans[i].fingerprint, scans[i - 1].fingerprint);
+}
+
+TEST(RawScan, HasTheSameFingerprintBeforeItsPointsAreRead) {
+  RawScan scan = ring_scan(0), waiting = scan;
+  const PointCloud memory = scan.cloud;
+  waiting.packed = packed_in(memory);
+  waiting.cloud.points.assign(memory.size(), {});
+  scan.take_fingerprint();
+  waiting.take_fingerprint();
+  ASSERT_TRUE(scan.fingerprint);
+  EXPECT_EQ(waiting.fingerprint, scan.fingerprint);
 }
 
 TEST(Preprocessor, RunsWithEverySubsetOfSensors) {

@@ -152,5 +152,18 @@ TEST(ScanMerger, PlacesAreThoseOnTheVehicle) {
   EXPECT_NEAR(merged->cloud.points.back().z, 4.0, 1e-5);
 }
 
+// A driver that hangs repeats its own points, not those of another one.
+TEST(ScanMerging, TheFingerprintIsThatOfTheMainLidar) {
+  RawScan alone = scan(0.0, "main", 0.0, 40), main = alone;
+  for (RawScan* raw : {&alone, &main})
+    for (Point& point : raw->cloud.points) point.x += point.intensity;
+  RawScan other = scan(0.0, "other");
+  alone.take_fingerprint();
+  ASSERT_TRUE(alone.fingerprint);
+  EXPECT_EQ(append_points(main, other, kTurned, kLimits), 10U);
+  main.take_fingerprint();
+  EXPECT_EQ(main.fingerprint, alone.fingerprint);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::preprocessing

@@ -318,6 +318,13 @@ TEST(SyncedInputsConversion, BringsTheUnevenTurningBackBitForBit) {
   }
 }
 
+TEST(SyncedInputsConversion, BringsTheFingerprintOfTheDriversPointsBack) {
+  SyncedInputsMessage message;
+  EXPECT_FALSE(fingerprint_of(message));
+  message.fingerprint = 0xfedcba9876543210;
+  EXPECT_EQ(fingerprint_of(message), 0xfedcba9876543210);
+}
+
 TEST(SyncedInputsConversion, BringsTheFeltForceBackBitForBit) {
   SyncedInputsMessage message;
   EXPECT_FALSE(felt_force_of(message));

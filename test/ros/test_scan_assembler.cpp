@@ -71,6 +71,16 @@ TEST(ScanAssembler, HandsOnWhatTheGyroTookOut) {
   EXPECT_FALSE(ready[1].prior.uneven_turning);
 }
 
+// The scan that comes with it was moved by measured motion.
+TEST(ScanAssembler, HandsOnTheFingerprintOfTheDriversPoints) {
+  ScanAssembler assembler(false);
+  assembler.add_inputs(kPeriod, {false, false, false, std::nullopt, std::nullopt, 42});
+  assembler.add_scan(scan_at(kPeriod));
+  const auto ready = assembler.take_ready();
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_EQ(ready[0].prior.fingerprint, 42U);
+}
+
 // Two scans that came before the IMU's sample of the first were taken without it.
 TEST(ScanAssembler, WaitsForWhatIsNamedHoweverManyScansComeFirst) {
   ScanAssembler assembler(false);

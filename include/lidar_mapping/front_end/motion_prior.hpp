@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "lidar_mapping/common/felt_force.hpp"
@@ -9,7 +10,8 @@
 
 namespace lidar_mapping::front_end {
 
-/// The motion at the scan's stamp as other sensors measured it; all fields are optional.
+/// What is known about a scan beside its points: the motion at its stamp as other sensors measured
+/// it, and what preprocessing did to the points. All fields are optional.
 struct MotionPrior {
   std::optional<Eigen::Vector3d> angular_velocity;  ///< rad/s, axes of base_link
   std::optional<Eigen::Vector3d> linear_velocity;   ///< m/s, of base_link in its axes
@@ -20,6 +22,9 @@ struct MotionPrior {
   /// The non-uniform rotation that was removed from the scan by the gyro. The front end adds it
   /// again if it finds the gyro wrong.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
+  /// cloud_fingerprint() of the points as the driver sent them. Without it that of the scan counts,
+  /// which tells nothing if measured motion was removed from the scan.
+  std::optional<std::uint64_t> fingerprint = std::nullopt;
   /// Mean specific force by the accelerometer since the previous scan.
   std::optional<FeltForce> felt = std::nullopt;
   /// Pose of base_link by an external odometry; it replaces matching with `odometry: external`.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,9 +31,14 @@ struct RawScan {
   std::optional<TimeSpan> time_span = std::nullopt;
   /// Location of the points if they have not been read yet; the cloud then has room for them.
   std::optional<PackedPoints> packed = std::nullopt;
+  /// cloud_fingerprint() of the points as the driver sent them. Whoever moves them or appends
+  /// others takes it before; otherwise the Preprocessor does.
+  std::optional<std::uint64_t> fingerprint = std::nullopt;
 
   /// Reads the packed points into the cloud, if there are any.
   void unpack();
+  /// Sets the fingerprint, if it is not known, to that of the points as they are.
+  void take_fingerprint();
 };
 
 /// A scan in the LiDAR's own frame, with the values of the other sensors at its stamp. A value is
@@ -50,6 +56,9 @@ struct SyncedScan {
   /// it again if it finds the gyro wrong.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
   std::optional<FeltForce> felt = std::nullopt;  ///< since the previous scan
+  /// Fingerprint of the points as the driver sent them: measured motion, which differs from stamp
+  /// to stamp, moves the same points to other places.
+  std::optional<std::uint64_t> fingerprint = std::nullopt;
 };
 
 /// Numbers of processed and dropped data since the start.

@@ -18,7 +18,7 @@ namespace lidar_mapping::preprocessing {
 /// last point, in its frame and with times relative to its stamp. Points that are out of the range
 /// of the limits from the other LiDAR are left out, as rays without a return. Returns their number:
 /// 0 if one of the scans has no times, or they do not overlap. The scan is unpacked; the other one
-/// has to be.
+/// has to be. The fingerprint stays that of the scan's own points.
 std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_scan_other,
                           const PassLimits& limits);
 

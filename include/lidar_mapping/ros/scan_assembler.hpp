@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
@@ -28,6 +29,8 @@ struct SyncedInputs {
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
   /// Mean specific force since the previous scan.
   std::optional<FeltForce> felt = std::nullopt;
+  /// Of the points as the driver sent them.
+  std::optional<std::uint64_t> fingerprint = std::nullopt;
 };
 
 /// Assembles the messages about one scan that preprocessing publishes on several topics, by equal

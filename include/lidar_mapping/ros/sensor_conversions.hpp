@@ -49,5 +49,7 @@ void fill(SyncedInputsMessage& message, const FeltForce& felt);
 std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message);
 /// The mean specific force before the scan; empty if the message has none.
 std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message);
+/// The fingerprint of the points as the driver sent them; empty if it is unknown.
+std::optional<std::uint64_t> fingerprint_of(const SyncedInputsMessage& message);
 
 }  // namespace lidar_mapping::ros_border

@@ -8,7 +8,8 @@ namespace lidar_mapping::front_end {
 MotionPrior prior_of(const std::optional<ImuSample>& imu,
                      const std::optional<VelocitySample>& velocity,
                      std::optional<UnevenTurning> uneven_turning,
-                     const std::optional<FeltForce>& felt) {
+                     const std::optional<FeltForce>& felt,
+                     std::optional<std::uint64_t> fingerprint) {
   MotionPrior prior;
   if (imu && imu->has_angular_velocity) prior.angular_velocity = imu->angular_velocity;
   if (velocity) {
@@ -17,6 +18,7 @@ MotionPrior prior_of(const std::optional<ImuSample>& imu,
   }
   prior.uneven_turning = std::move(uneven_turning);
   prior.felt = felt;
+  prior.fingerprint = fingerprint;
   return prior;
 }
 

@@ -26,6 +26,7 @@ SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
   message.gnss = synced.gnss.has_value();
   if (synced.uneven_turning) fill(message, *synced.uneven_turning);
   if (synced.felt) fill(message, *synced.felt);
+  message.fingerprint = synced.fingerprint.value_or(0);
   return message;
 }
 

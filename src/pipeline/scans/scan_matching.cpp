@@ -12,8 +12,8 @@ namespace lidar_mapping::pipeline {
 namespace {
 
 front_end::MotionPrior prior_at(const preprocessing::SyncedScan& synced, bool is_first) {
-  front_end::MotionPrior prior =
-      front_end::prior_of(synced.imu, synced.velocity, synced.uneven_turning, synced.felt);
+  front_end::MotionPrior prior = front_end::prior_of(
+      synced.imu, synced.velocity, synced.uneven_turning, synced.felt, synced.fingerprint);
   if (is_first && synced.gnss) prior.T_odom_base_initial = synced.gnss->T_enu_base();
   return prior;
 }

@@ -21,6 +21,7 @@ std::size_t append_points(RawScan& scan, const RawScan& other, const Pose& T_sca
                           const PassLimits& limits) {
   scan.unpack();
   if (!scan.cloud.has_times() || !other.cloud.has_times()) return 0;
+  scan.take_fingerprint();
   const TimeSpan span = scan.time_span ? *scan.time_span : time_span(scan.cloud);
   scan.time_span = span;  // the appended points are within
   const double delay = to_seconds(other.stamp - scan.stamp);

@@ -138,6 +138,11 @@ std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message) {
   return FeltForce{since, from_message(message.felt_force), from_message(message.felt_at)};
 }
 
+std::optional<std::uint64_t> fingerprint_of(const SyncedInputsMessage& message) {
+  if (message.fingerprint == 0) return std::nullopt;
+  return message.fingerprint;
+}
+
 std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message) {
   if (message.uneven_turning.empty()) return std::nullopt;
   UnevenTurning turning{message.turning_begin, message.turning_step, {}};

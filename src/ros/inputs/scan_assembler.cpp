@@ -128,8 +128,8 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   const auto imu = imu_.take(stamp);
   const auto velocity = velocity_.take(stamp);
   if ((inputs.imu && !imu) || (inputs.velocity && !velocity)) ++without_samples_;
-  assembled.prior =
-      front_end::prior_of(imu, velocity, std::move(inputs.uneven_turning), inputs.felt);
+  assembled.prior = front_end::prior_of(imu, velocity, std::move(inputs.uneven_turning),
+                                        inputs.felt, inputs.fingerprint);
   if (const auto gnss = gnss_.take(stamp)) assembled.prior.T_odom_base_initial = gnss->T_enu_base();
   if (external_odometry_) {
     assembled.prior.T_external_base = odometry_at(stamp);
