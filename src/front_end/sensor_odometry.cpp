@@ -25,6 +25,11 @@ void revise(TrackedScan& tracked, const Revision& revision) {
   tracked.motion_known = true;
 }
 
+MotionPrior without_rate(MotionPrior prior) {
+  prior.angular_velocity.reset();
+  return prior;
+}
+
 /// Moves the times of all steps to the status.
 void report_times(StepTimer& timer, FrontEndStatus& status) {
   for (auto& step : timer.take()) status.step_seconds.push_back(std::move(step));
@@ -54,7 +59,7 @@ FrontEndResult SensorOdometry::process(const Scan& received, const MotionPrior& 
   const Scan& timed = changed ? *changed : received;
   const Scan& scan = matches_scans_ ? isolated_point_filter_.without_isolated_points(timed) : timed;
   timer_.stop();
-  TrackedScan tracked = tracker_->track(scan, prior);
+  TrackedScan tracked = tracker_->track(scan, with_valid_rate(prior));
   state_times(correction, tracked);
   std::vector<FrontEndResult> finalized;
   const bool times_change = try_other_times(scan, prior, tracked, finalized);
@@ -145,19 +150,23 @@ void SensorOdometry::state_times(const PointCorrection& correction, TrackedScan&
   tracked.correction.times = tracked.status.sweep_times = correction.times;
 }
 
+/// The rate is the mean of the sweep by its given times, or, without these, the rate at the stamp.
+/// By other times the sweep has another mean.
+MotionPrior SensorOdometry::with_valid_rate(const MotionPrior& prior) const {
+  return times_.source == SweepTimes::kAsGiven ? prior : without_rate(prior);
+}
+
 /// Continues the check of the times, if it is not finished. If other times are right, their
 /// tracker takes over, and the function returns true; the scan itself still has the wrong times.
 bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
                                      TrackedScan& tracked, std::vector<FrontEndResult>& finalized) {
   if (!times_validator_) return false;
   timer_.start("point times");
-  MotionPrior without_gyro = prior;
-  if (prior.uneven_turning) without_gyro.angular_velocity.reset();
   std::optional<Scan> uncorrected;
   if (prior.uneven_turning && !tracked.correction.undo_gyro)
     uncorrected = Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
   std::optional<SweepTimesValidator::Successor> successor =
-      times_validator_->add(uncorrected ? *uncorrected : scan, without_gyro, tracked);
+      times_validator_->add(uncorrected ? *uncorrected : scan, without_rate(prior), tracked);
   if (times_validator_->is_finished()) times_validator_.reset();
   timer_.stop();
   if (!successor) return false;

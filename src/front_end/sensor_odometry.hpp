@@ -53,6 +53,7 @@ class SensorOdometry {
   PointCorrection correction_of(const MotionPrior& prior) const;
   static std::optional<Scan> changed_scan(const Scan& scan, const MotionPrior& prior,
                                           const PointCorrection& correction);
+  MotionPrior with_valid_rate(const MotionPrior& prior) const;
   static void state_times(const PointCorrection& correction, TrackedScan& tracked);
   bool try_other_times(const Scan& scan, const MotionPrior& prior, TrackedScan& tracked,
                        std::vector<FrontEndResult>& finalized);

@@ -238,15 +238,8 @@ class Preprocessor::Impl {
       rotate_upwards(cloud, config_.vertical_angle_correction);
     }
     MeasuredMotion measured;
-    if (config_.deskewing && cloud.has_times()) {
-      measured = sensors_.motion(scan.raw.stamp, scan.span, T_base_lidar.translation);
-      // The rate at one instant is not the mean rate of the sweep.
-      if (measured.source == MotionSource::kNone && synced.imu) {
-        synced.imu->has_angular_velocity = false;
-      }
-    }
+    if (cloud.has_times()) measured = motion_to_remove(scan, T_base_lidar, synced);
     if (!cloud.empty()) diagnostics_.motion(measured.source, cloud.has_times());
-    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, synced);
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
@@ -257,15 +250,31 @@ class Preprocessor::Impl {
     return without_outliers(downsampled(std::move(cloud), config_), config_);
   }
 
-  /// The front end estimates the motion of the LiDAR, but assumes a uniform rotation during the
-  /// sweep.
-  static void leave_uniform_turning(ScanMotion& motion, SyncedScan& synced) {
-    const Eigen::Vector3d omega = mean_angular_velocity(motion);
-    motion = without_uniform_turning(motion, omega);
-    synced.uneven_turning = turning_of(motion);
+  /// The motion that is removed from a cloud with times. Where the cloud keeps them, the front end
+  /// estimates the motion of the LiDAR, but assumes a uniform rotation during the sweep.
+  MeasuredMotion motion_to_remove(const WaitingScan& scan, const Pose& T_base_lidar,
+                                  SyncedScan& synced) const {
+    MeasuredMotion measured = sensors_.motion(scan.raw.stamp, scan.span, T_base_lidar.translation);
+    const bool both = measured.source == MotionSource::kImuAndVelocity;
+    if (config_.deskewing && (both || measured.source == MotionSource::kVelocity)) return measured;
+    std::optional<Eigen::Vector3d> omega;
+    if (both || measured.source == MotionSource::kImu)
+      omega = mean_angular_velocity(measured.motion);
+    set_rate(omega, synced);
+    if (!config_.deskewing) return {};
+    if (omega) {
+      measured.motion = without_uniform_turning(measured.motion, *omega);
+      synced.uneven_turning = turning_of(measured.motion);
+    }
+    return measured;
+  }
+
+  /// The rate that goes with times is the mean of their sweep: the rate at one instant is another
+  /// one, above all on legs.
+  static void set_rate(const std::optional<Eigen::Vector3d>& omega, SyncedScan& synced) {
     if (!synced.imu) return;
-    synced.imu->angular_velocity = omega;
-    synced.imu->has_angular_velocity = true;
+    synced.imu->has_angular_velocity = omega.has_value();
+    if (omega) synced.imu->angular_velocity = *omega;
   }
 
   PreprocessingConfig config_;

@@ -136,6 +136,23 @@ TEST(GyroValidator, RejectsRatesFarBeyondConfirmedOnes) {
       << "as fast as a sensor is turned by hand";
 }
 
+// The mean rate of a sweep says how far it turned, but not that it did so uniformly.
+TEST(GyroValidator, KnowsWhetherTheSweepTurnsUniformly) {
+  GyroValidator validator;
+  const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
+  for (int i = 0; i < 30; ++i) {
+    validator.add(turning_at(Eigen::Vector3d::Zero()), kSweep, kSweep);
+    validator.update(level, level, level);
+  }
+  MotionPrior prior = turning_at({0.0, 0.0, 0.1});
+  validator.add(prior, kSweep, kSweep);
+  ASSERT_TRUE(validator.turning());
+  EXPECT_FALSE(validator.turning()->uniform);
+  prior.uneven_turning = UnevenTurning{-0.1, 0.1, {level, level}};
+  validator.add(prior, kSweep, kSweep);
+  EXPECT_TRUE(validator.turning()->uniform) << "the rest was removed";
+}
+
 // A rotation that the filter has received from turning() is not measured a second time.
 TEST(GyroValidator, IsNotAppliedTwice) {
   MotionPrior prior;

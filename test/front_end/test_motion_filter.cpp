@@ -128,6 +128,16 @@ TEST(MotionFilter, TreatsTheRotationAsNotMeasuredAfterARestart) {
   EXPECT_FALSE(filter.is_rotation_measured());
 }
 
+// The smoothing of a sweep takes a measured rotation as exact at every instant.
+TEST(MotionFilter, TreatsTheRotationAsNotMeasuredWithinASweepThatIsUneven) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 1.0, 1.0);
+  const Eigen::Vector3d rate(0.0, 0.0, 0.1);
+  filter.predict(0.1, MeasuredTurning{rate, rate, 0.01, false});
+  EXPECT_FALSE(filter.is_rotation_measured());
+  EXPECT_EQ(filter.state().twist.tail<3>(), rate);
+}
+
 /// A vehicle that brakes from 14 m/s at 1.8 m/s^2 and pitches, after six seconds.
 MotionFilter braking_filter() {
   const Matrix12d covariance = Vector12d::Constant(1e-5).asDiagonal().toDenseMatrix();

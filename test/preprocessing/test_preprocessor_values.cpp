@@ -100,6 +100,32 @@ TEST(Preprocessor, DoesNotUseAGyroAtTheEndOfItsRange) {
   EXPECT_EQ(test::messages_of(whole).find(range), std::string::npos);
 }
 
+// On legs it is another one than that at the stamp, and a front end that took the one for the other
+// called the gyro wrong.
+TEST(Preprocessor, GivesTheMeanRateOfTheSweepWithTimesThatStay) {
+  PreprocessingConfig config;
+  config.use_velocity = config.use_gnss = false;
+  Preprocessor deskewed(config, identity_lookup);
+  config.deskewing = false;
+  Preprocessor raw(config, identity_lookup);
+  const auto expected = walked_with(deskewed, 10.0);
+  const auto scans = walked_with(raw, 10.0);
+  ASSERT_EQ(scans.size(), expected.size());
+  double largest = 0.0;
+  for (std::size_t i = 1; i + 1 < scans.size(); ++i) {
+    ASSERT_TRUE(scans[i].imu->has_angular_velocity);
+    EXPECT_TRUE(scans[i].scan.cloud.has_times());
+    EXPECT_FALSE(scans[i].uneven_turning) << "nothing was removed";
+    EXPECT_EQ(scans[i].imu->angular_velocity, expected[i].imu->angular_velocity);
+    const double time = to_seconds(scans[i].scan.stamp - at(0.0));
+    const double at_stamp = 4.0 * std::sin(2.0 * M_PI * time);
+    largest = std::max(largest, std::abs(scans[i].imu->angular_velocity.y() - at_stamp));
+  }
+  EXPECT_GT(largest, 0.5);
+  EXPECT_FALSE(scans.back().imu && scans.back().imu->has_angular_velocity)
+      << "the samples end within the sweep";
+}
+
 TEST(Preprocessor, WaitsForTheTransformOfTheScan) {
   bool known = false;
   Preprocessor stage({}, [&](const std::string&) {

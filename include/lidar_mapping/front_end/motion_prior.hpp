@@ -13,8 +13,9 @@ namespace lidar_mapping::front_end {
 /// What is known about a scan beside its points: the motion at its stamp as other sensors measured
 /// it, and what preprocessing did to the points. All fields are optional.
 struct MotionPrior {
-  std::optional<Eigen::Vector3d> angular_velocity;  ///< rad/s, axes of base_link
-  std::optional<Eigen::Vector3d> linear_velocity;   ///< m/s, of base_link in its axes
+  /// rad/s, axes of base_link: the mean over the sweep if the points have times, else at the stamp.
+  std::optional<Eigen::Vector3d> angular_velocity;
+  std::optional<Eigen::Vector3d> linear_velocity;  ///< m/s, of base_link in its axes
   /// Angular velocity (rad/s, axes of base_link) that was used to transfer linear_velocity from its
   /// sensor to base_link. The same value has to be used to transfer it to the LiDAR. Without it
   /// angular_velocity is used.

@@ -43,8 +43,9 @@ struct RawScan {
 
 /// A scan in the LiDAR's own frame, with the values of the other sensors at its stamp. A value is
 /// missing if the sensor is absent or has a gap there: nothing is extrapolated. The cloud has times
-/// if the motion during the scan is still contained in it. If only the IMU's gyro was available,
-/// the remaining rotation is uniform, at the rate imu->angular_velocity.
+/// if the motion during the scan is still contained in it; imu->angular_velocity is then the mean
+/// rate over the scan. If only the IMU's gyro was available, the remaining rotation is uniform, at
+/// that rate.
 struct SyncedScan {
   Scan scan;                               ///< the points in the LiDAR's frame
   std::string frame_id;                    ///< the LiDAR's

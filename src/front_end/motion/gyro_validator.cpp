@@ -59,12 +59,14 @@ void GyroValidator::add(const MotionPrior& prior, double seconds, double duratio
     between_ = log_so3(exp_so3(0.5 * seconds * *rate_) * exp_so3(0.5 * seconds * *rate)) / seconds;
   }
   rate_ = rate;
+  // Of a sweep from which the uneven rotation was not removed only the mean is known.
+  uniform_ = prior.uneven_turning || duration <= 0.0;
   seconds_ = seconds;
 }
 
 std::optional<MeasuredTurning> GyroValidator::turning() const {
   if (!between_ || matches_ < kMinMatches || !accepted_) return std::nullopt;
-  return MeasuredTurning{*between_ - bias_, *rate_ - bias_, sigma()};
+  return MeasuredTurning{*between_ - bias_, *rate_ - bias_, sigma(), uniform_};
 }
 
 MotionPrior GyroValidator::remaining_prior(MotionPrior prior) const {

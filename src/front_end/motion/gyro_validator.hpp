@@ -52,6 +52,7 @@ class GyroValidator {
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
   double seconds_ = 0.0;
   int matches_ = 0;
+  bool uniform_ = true;          ///< whether this sweep turns uniformly
   bool accepted_ = true;         ///< whether the gyro is accepted for this sweep
   double confirmed_rate_ = 0.0;  ///< the largest rate that the matches confirmed, rad/s
   double contradiction_ = 0.0;   ///< running mean

@@ -179,7 +179,7 @@ void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>&
   if (forecast) apply_forecast(seconds);
   forecast_state_ = {continued(state_.T_map_sensor, state_.twist, seconds), state_.twist};
   if (turning) apply_turning(*turning);
-  turning_measured_ = turning.has_value();
+  turning_measured_ = turning && turning->uniform;
   grow_covariance(seconds, turning.has_value());
   // A rotation is measured only between sweeps that adjoin.
   state_.T_map_sensor = turning ? moved(state_.T_map_sensor, state_.twist, seconds)

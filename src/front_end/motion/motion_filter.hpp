@@ -39,6 +39,7 @@ struct MeasuredTurning {
   Eigen::Vector3d between;  ///< mean rate since the previous state
   Eigen::Vector3d within;   ///< rate during the sweep
   double sigma = 0.0;       ///< standard deviation of both, per axis
+  bool uniform = true;      ///< the sweep turns at that rate at every instant, not only in the mean
 };
 
 /// A match, seen from a later one or from the present state.
@@ -102,7 +103,7 @@ class MotionFilter {
   const std::optional<PreviousMatch>& previous_match() const { return previous_match_; }
   /// The last match, with the time from it to the state. Empty if there was none since the start.
   std::optional<PreviousMatch> last_match() const;
-  /// True if the rotation up to the state was measured, not only forecast.
+  /// True if the rotation up to the state was measured at every instant, not only forecast.
   bool is_rotation_measured() const { return turning_measured_; }
   const Matrix12d& covariance() const { return covariance_; }
   MotionBelief belief() const;
