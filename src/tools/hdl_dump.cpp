@@ -23,7 +23,7 @@ void export_dump(const std::string& name, const std::string& directory) {
   pipeline::replay(session, back_end);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
   const pose_graph::PoseGraph graph = back_end.graph();
-  pipeline::write_hdl_dump(session, graph, directory);
+  pipeline::write_hdl_dump(session, graph, back_end.in_enu(), directory);
   std::printf("%zu key frames, %zu edges in %s\n", graph.nodes.size(), graph.edges.size(),
               directory.c_str());
 }

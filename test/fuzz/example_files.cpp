@@ -149,7 +149,7 @@ void write_hdl_dump(const fs::path& folder) {
   const fs::path session = folder.parent_path() / "session_of_dump";
   write_session(session);
   pipeline::write_hdl_dump(session::Session::open(session, session::Session::Access::kRead),
-                           circle(false), folder);
+                           circle(false), false, folder);
   fs::remove_all(session);
 }
 

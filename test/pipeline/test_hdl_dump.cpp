@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/session/map_datum.hpp"
 
 #include "file_content.hpp"
 #include "near.hpp"
@@ -68,6 +69,7 @@ Session example_session(const fs::path& folder) {
   GnssPosition position;
   position.stamp = stamp_of(5);
   position.p_enu_antenna = {100.0, 200.0, 3.0};
+  position.p_base_antenna = {-0.8, 0.5, 1.6};
   session.add_gnss(position);
   return session;
 }
@@ -79,35 +81,39 @@ pose_graph::PoseGraph graph_of(const Session& session) {
   return back_end.graph();
 }
 
+void dump(const Session& session, const fs::path& directory, bool in_enu = false) {
+  write_hdl_dump(session, graph_of(session), in_enu, directory);
+}
+
 TEST(HdlDump, WritesFilesOfInteractiveSlam) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path() / "session");
-  const fs::path dump = folder.path() / "dump";
-  write_hdl_dump(session, graph_of(session), dump);
-  EXPECT_EQ(content_of(dump / "special_nodes.csv"),
+  const fs::path directory = folder.path() / "dump";
+  dump(session, directory);
+  EXPECT_EQ(content_of(directory / "special_nodes.csv"),
             "anchor_node 22\nanchor_edge -1\nfloor_node -1\n");
-  const std::string graph = content_of(dump / "graph.g2o");
+  const std::string graph = content_of(directory / "graph.g2o");
   EXPECT_NE(graph.find("VERTEX_SE3:QUAT 22 "), std::string::npos);
   EXPECT_NE(graph.find("EDGE_SE3:QUAT 22 10 "), std::string::npos);
   EXPECT_NE(graph.find("\nFIX 22\n"), std::string::npos);
   EXPECT_NE(graph.find("EDGE_SE3:QUAT 12 20 "), std::string::npos);
-  EXPECT_FALSE(fs::exists(dump / "000012"));
-  const std::string data = content_of(dump / "000003" / "data");
+  EXPECT_FALSE(fs::exists(directory / "000012"));
+  const std::string data = content_of(directory / "000003" / "data");
   EXPECT_EQ(data.substr(0, 27), "stamp 1700000000 600000005\n");
   for (const char* field : {"\nestimate\n", "\nodom\n", "\naccum_distance ",
                             "\nfloor_coeffs 0 0 1 1.73", "\nid 13\n"}) {
     EXPECT_NE(data.find(field), std::string::npos) << field << "\n" << data;
   }
-  EXPECT_EQ(session::read_pcd(dump / "000003" / "cloud.pcd").points[0].z, 3.0F);
-  EXPECT_NE(content_of(dump / "000005" / "data").find("\nutm_coord "), std::string::npos);
-  EXPECT_NE(content_of(dump / "zero_utm").find(' '), std::string::npos);
-  EXPECT_THROW(write_hdl_dump(session, graph_of(session), dump), FileError) << "is there";
+  EXPECT_EQ(session::read_pcd(directory / "000003" / "cloud.pcd").points[0].z, 3.0F);
+  EXPECT_NE(content_of(directory / "000005" / "data").find("\nutm_coord "), std::string::npos);
+  EXPECT_NE(content_of(directory / "zero_utm").find(' '), std::string::npos);
+  EXPECT_THROW(dump(session, directory), FileError) << "is there";
 }
 
 TEST(HdlDump, FolderMayEndWithASlash) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path() / "session");
-  write_hdl_dump(session, graph_of(session), folder.path() / "dump" / "");
+  dump(session, folder.path() / "dump" / "");
   EXPECT_TRUE(fs::is_regular_file(folder.path() / "dump" / "graph.g2o"));
 }
 
@@ -115,7 +121,7 @@ TEST(HdlDump, FolderMayEndWithASlash) {
 TEST(HdlDump, ReadsPositionsWithoutHeight) {
   const TemporaryFolder folder;
   const Session before = example_session(folder.path() / "session");
-  write_hdl_dump(before, graph_of(before), folder.path() / "dump");
+  dump(before, folder.path() / "dump");
   const fs::path file = folder.path() / "dump" / "000005" / "data";
   std::string data = content_of(file);
   const std::size_t at = data.find("utm_coord ") + 10;
@@ -128,10 +134,43 @@ TEST(HdlDump, ReadsPositionsWithoutHeight) {
   const GnssPosition position = after.gnss().at(0);
   EXPECT_TRUE(position.p_enu_antenna.allFinite());
   EXPECT_FALSE(has_height(position.covariance));
-  write_hdl_dump(after, graph_of(before), folder.path() / "again");
-  EXPECT_EQ(content_of(folder.path() / "again" / "000005" / "data").find("utm_coord"),
-            std::string::npos)
-      << "the format cannot say that a height is unknown";
+}
+
+/// interactive_slam reads numbers in utm_coord, and for ever if one is "nan".
+TEST(HdlDump, KeepsPositionsWithoutHeightInAFieldThatOthersSkip) {
+  const TemporaryFolder folder;
+  Session before = example_session(folder.path() / "session");
+  GnssPosition position;
+  position.stamp = stamp_of(6);
+  position.p_enu_antenna = {104.0, 203.0, 0.0};
+  position.covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
+  before.add_gnss(position);
+  dump(before, folder.path() / "dump");
+  const std::string data = content_of(folder.path() / "dump" / "000006" / "data");
+  EXPECT_EQ(data.find("utm_coord"), std::string::npos);
+  EXPECT_EQ(data.find("nan"), std::string::npos);
+  Session after = Session::create_in(folder.path() / "back");
+  read_hdl_dump(folder.path() / "dump", after);
+  ASSERT_EQ(after.gnss().size(), 2U);
+  const GnssPosition read = after.gnss().at(1);
+  EXPECT_TRUE(test::near(read.p_enu_antenna.head<2>(), position.p_enu_antenna.head<2>(), 1e-3));
+  EXPECT_FALSE(has_height(read.covariance));
+}
+
+/// Where on Earth the map of a dump lies after its import.
+std::optional<GeodeticDatum> datum_of_map(bool in_enu, const char* left_out = nullptr) {
+  const TemporaryFolder folder;
+  dump(example_session(folder.path() / "session"), folder.path() / "dump", in_enu);
+  if (left_out) fs::remove(folder.path() / "dump" / left_out);
+  Session after = Session::create_in(folder.path() / "back");
+  read_hdl_dump(folder.path() / "dump", after);
+  return session::map_datum(after);
+}
+
+TEST(HdlDump, KnowsWhetherItsPosesLieInEastNorthUp) {
+  EXPECT_TRUE(datum_of_map(true));
+  EXPECT_FALSE(datum_of_map(false)) << "of a drive without use_gnss, say";
+  EXPECT_FALSE(datum_of_map(true, "poses_in_enu")) << "nobody says so";
 }
 
 // Writing and reading keeps everything that the format supports.
@@ -139,7 +178,7 @@ TEST(HdlDump, RoundTripKeepsContents) {
   const TemporaryFolder folder;
   const Session before = example_session(folder.path() / "session");
   const pose_graph::PoseGraph graph = graph_of(before);
-  write_hdl_dump(before, graph, folder.path() / "dump");
+  write_hdl_dump(before, graph, true, folder.path() / "dump");
   Session after = Session::create_in(folder.path() / "back");
   const HdlImport imported = read_hdl_dump(folder.path() / "dump", after);
   EXPECT_EQ(imported.key_frames, kKeyFrames);
@@ -166,7 +205,10 @@ TEST(HdlDump, RoundTripKeepsContents) {
   ASSERT_EQ(after.imu().size(), 1U);
   EXPECT_LT(after.imu()[0].orientation->angularDistance(*before.imu()[0].orientation), 1e-9);
   ASSERT_EQ(after.gnss().size(), 1U);
-  EXPECT_TRUE(test::near(after.gnss()[0].p_enu_antenna, before.gnss()[0].p_enu_antenna, 1e-6));
+  const Eigen::Vector3d p_base = before.gnss()[0].p_enu_base(graph.nodes[5].pose.rotation);
+  EXPECT_TRUE(test::near(after.gnss()[0].p_enu_antenna, p_base, 1e-6)) << "of base_link";
+  EXPECT_TRUE(after.gnss()[0].p_base_antenna.isZero());
+  EXPECT_EQ(after.poses_in_enu(), true);
   EXPECT_EQ(after.datum(), before.datum());
   EXPECT_EQ(after.sensor_origin(), before.sensor_origin());
 }
@@ -220,7 +262,7 @@ TEST(HdlDump, RejectsInvalidDatum) {
   const Session before = example_session(folder.path() / "session");
   for (const char* text : {"", "49 8", "nan 8 1", "91 8 110", "north 8 110"}) {
     fs::remove_all(folder.path() / "dump");
-    write_hdl_dump(before, graph_of(before), folder.path() / "dump");
+    dump(before, folder.path() / "dump");
     std::ofstream(folder.path() / "dump" / "datum") << text;
     fs::remove_all(folder.path() / "back");
     Session after = Session::create_in(folder.path() / "back");

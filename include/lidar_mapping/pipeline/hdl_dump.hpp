@@ -11,10 +11,10 @@ namespace lidar_mapping::pipeline {
 /// Writes a session in the format in which hdl_graph_slam dumps its state and which
 /// interactive_slam opens (doc/session.md): graph.g2o with an anchor, 000000/{data,cloud.pcd} for
 /// each key frame, special_nodes.csv and, with a datum, zero_utm. The folder must not exist; it
-/// appears completely or not at all. The ids of `graph` are the indices of the key frames. Throws
-/// FileError.
+/// appears completely or not at all. The ids of `graph` are the indices of the key frames; `in_enu`
+/// says whether its poses lie in East-North-Up (BackEnd::in_enu()). Throws FileError.
 void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph& graph,
-                    const std::filesystem::path& directory);
+                    bool in_enu, const std::filesystem::path& directory);
 
 /// What was read from a dump.
 struct HdlImport {

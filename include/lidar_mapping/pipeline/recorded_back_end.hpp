@@ -86,6 +86,8 @@ class RecordedBackEnd {
   Pose T_map_odom() const { return back_end_.T_map_odom(); }
   /// See BackEnd::graph().
   pose_graph::PoseGraph graph() const { return back_end_.graph(); }
+  /// See BackEnd::in_enu().
+  bool in_enu() const { return back_end_.in_enu(); }
   /// See BackEnd::parts().
   std::vector<int> parts() const { return back_end_.parts(); }
   /// Present verdict of the graph on every loop.

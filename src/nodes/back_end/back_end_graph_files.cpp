@@ -32,6 +32,7 @@ bool leads_to(const fs::path& path, const fs::path& folder) {
 /// The current graph, and the session with the clouds.
 struct Snapshot {
   pose_graph::PoseGraph graph;
+  bool in_enu = false;  ///< its poses lie in East-North-Up
   fs::path session;
 };
 
@@ -40,7 +41,7 @@ DumpGraph::Response dumped(const Snapshot& snapshot, const std::string& destinat
   const fs::path directory =
       destination.empty() ? snapshot.session / "hdl_dump" : absolute_folder(destination);
   const Session session = Session::open(snapshot.session, Session::Access::kRead);
-  pipeline::write_hdl_dump(session, snapshot.graph, directory);
+  pipeline::write_hdl_dump(session, snapshot.graph, snapshot.in_enu, directory);
   DumpGraph::Response answer;
   answer.success = true;
   answer.directory = directory.string();
@@ -78,7 +79,7 @@ bool BackEndNode::dump_graph(DumpGraph::Request& request, DumpGraph::Response& r
       if (!run_ || run_->session().key_frame_count() == 0) {
         throw InputError("there are no key frames yet; nothing to dump");
       }
-      return Snapshot{run_->graph(), run_->session().directory()};
+      return Snapshot{run_->graph(), run_->in_enu(), run_->session().directory()};
     });
     return dumped(snapshot, request.destination);
   });

@@ -75,6 +75,12 @@ class WordReader {
     return {p.x(), p.y(), is_unknown ? std::nan("") : checked([&] { return coordinate(height); })};
   }
 
+  /// As this package writes a position without height.
+  Eigen::Vector3d position_without_height() {
+    const Eigen::Vector2d p = vector<2>();
+    return {p.x(), p.y(), std::nan("")};
+  }
+
   Pose pose() {
     Eigen::Matrix4d matrix;
     for (int row = 0; row < 4; ++row) {
@@ -144,6 +150,8 @@ void read_field(const std::string& name, WordReader& words, DumpedFrame& frame) 
     frame.floor = read_floor(words);
   } else if (name == "utm_coord") {
     frame.p_utm = words.position();
+  } else if (name == "utm_horizontal") {
+    frame.p_utm = words.position_without_height();
   } else if (name == "acceleration") {
     frame.acceleration = words.vector<3>();
   } else if (name == "orientation") {
@@ -197,6 +205,12 @@ std::optional<GeodeticDatum> read_datum(const fs::path& path) {
   if (!is_place(datum))
     words.fail("latitude and longitude (degrees) and altitude (m) are no place");
   return datum;
+}
+
+/// Whether the poses of the dump lie in the East-North-Up frame of its datum. hdl_graph_slam does
+/// not say so: its map begins where the vehicle did.
+bool read_in_enu(const fs::path& path) {
+  return fs::exists(path) && WordReader(path).whole_number(1.0) == 1;
 }
 
 /// Reads poses and the edges between them; planes, priors and fixed vertices are skipped.
@@ -352,7 +366,7 @@ class DumpReader {
     record.revision = poses.revision;
     record.key_frames = poses.poses.size();
     record.loops_used = loops_.size();
-    session_.set_poses(poses, record);
+    session_.set_poses(poses, record, read_in_enu(directory_ / "poses_in_enu"));
   }
 
   const fs::path directory_;

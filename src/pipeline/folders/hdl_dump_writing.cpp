@@ -38,10 +38,11 @@ void write_file(const fs::path& path, const Write& write) {
 
 class DumpWriter {
  public:
-  DumpWriter(const session::Session& session, const pose_graph::PoseGraph& graph,
+  DumpWriter(const session::Session& session, const pose_graph::PoseGraph& graph, bool in_enu,
              const fs::path& directory)
       : session_(session),
         graph_(graph),
+        in_enu_(in_enu),
         directory_(directory),
         datum_(session.datum()),
         gnss_(by_stamp(session.gnss())),
@@ -67,6 +68,8 @@ class DumpWriter {
       before = key_frame;
     }
     if (datum_) write_datum();
+    write_file(directory_ / "poses_in_enu",
+               [&](std::ostream& file) { file << (in_enu_ ? 1 : 0) << "\n"; });
     if (const auto origin = session_.sensor_origin()) {
       write_file(directory_ / "sensor_origin",
                  [&](std::ostream& file) { file << origin->transpose() << "\n"; });
@@ -102,22 +105,21 @@ class DumpWriter {
            << key_frame.stamp % kNanosecondsPerSecond << "\nestimate\n"
            << T_map_base.matrix() << "\nodom\n"
            << key_frame.T_odom_base.matrix() << "\naccum_distance " << travelled << "\n";
-      write_measurements(key_frame.stamp, data);
+      write_measurements(key_frame.stamp, T_map_base.rotation, data);
       data << "id " << key_frame.index << "\n";
     });
     const PointCloudPtr cloud = session_.clouds().cloud(key_frame.index);
     session::write_pcd(folder / "cloud.pcd", cloud ? *cloud : PointCloud());
   }
 
-  void write_measurements(Stamp stamp, std::ostream& data) const {
+  void write_measurements(Stamp stamp, const Eigen::Quaterniond& R_map_base,
+                          std::ostream& data) const {
     if (const auto floor = floors_.find(stamp); floor != floors_.end() && floor->second.found) {
       data << "floor_coeffs " << floor->second.normal.transpose() << " " << floor->second.offset
            << "\n";
     }
-    // The format has no covariance; readers would take the height of the datum for a measured one.
-    if (const auto gnss = gnss_.find(stamp);
-        gnss != gnss_.end() && has_height(gnss->second.covariance)) {
-      data << "utm_coord " << in_utm(gnss->second.p_enu_antenna).transpose() << "\n";
+    if (const auto gnss = gnss_.find(stamp); gnss != gnss_.end()) {
+      write_position(gnss->second, R_map_base, data);
     }
     const auto imu = imu_.find(stamp);
     if (imu == imu_.end()) return;
@@ -125,6 +127,20 @@ class DumpWriter {
     if (!imu->second.orientation) return;
     const Eigen::Quaterniond& q = *imu->second.orientation;
     data << "orientation " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\n";
+  }
+
+  /// The position of base_link, because the format has no lever arm. A position without height has
+  /// a field that only this package reads, and that others skip: in utm_coord they would take the
+  /// height of the datum for a measured one, and interactive_slam does not get past a "nan".
+  void write_position(const GnssPosition& position, const Eigen::Quaterniond& R_map_base,
+                      std::ostream& data) const {
+    const Eigen::Vector3d p_utm =
+        in_utm(position.p_enu_base(position.R_enu_base.value_or(R_map_base)));
+    if (has_height(position.covariance)) {
+      data << "utm_coord " << p_utm.transpose() << "\n";
+    } else {
+      data << "utm_horizontal " << p_utm.head<2>().transpose() << "\n";
+    }
   }
 
   /// Position in UTM relative to the datum, as hdl_graph_slam stores it; unchanged without a datum.
@@ -147,6 +163,7 @@ class DumpWriter {
 
   const session::Session& session_;
   const pose_graph::PoseGraph& graph_;
+  const bool in_enu_;
   const fs::path directory_;
   const std::optional<GeodeticDatum> datum_;
   std::optional<UtmFrame> utm_;  ///< UTM zone of the datum.
@@ -159,7 +176,7 @@ class DumpWriter {
 }  // namespace
 
 void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph& graph,
-                    const fs::path& directory) {
+                    bool in_enu, const fs::path& directory) {
   if (graph.nodes.empty()) throw InputError("the session has no key frames; nothing to dump");
   const fs::path target = folder_path(directory);
   if (fs::exists(target)) {
@@ -168,7 +185,7 @@ void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph
   const fs::path temporary = hidden_beside(target, ".part");
   try {
     fs::remove_all(temporary);
-    DumpWriter(session, graph, temporary).write();
+    DumpWriter(session, graph, in_enu, temporary).write();
     fs::rename(temporary, target);
   } catch (const std::exception& error) {
     std::error_code ignored;
