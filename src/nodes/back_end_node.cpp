@@ -62,6 +62,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
       solver_(context.worker, [this](const SolvedProblem& solved) {
         solved.solution ? apply_solution(solved) : report_failure(solved.failure);
       }) {
+  advertise_verdicts();
   resume();
   context.worker.drain_on_stop();
   context.worker.set_idle_task(kIdle, [this] {
@@ -71,6 +72,16 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
   subscribe_all();
   advertise_services();
   context.node.deleteParam(kRunResuming);
+}
+
+void BackEndNode::advertise_verdicts() {
+  const auto channel = context_.worker.add_channel("subscribers", kPublisherQueue);
+  const auto publish_all = [this] {
+    if (run_) publish_verdicts(run_->verdicts());
+  };
+  // A new subscriber is told of all loops at once.
+  verdicts_ = advertise<LoopVerdictMessage>(context_, "graph_verdict", kUnlimitedQueue, channel,
+                                            publish_all);
 }
 
 /// Opens the session that this node had before it was killed, otherwise the one of the parameter
@@ -141,13 +152,6 @@ void BackEndNode::subscribe_all() {
   listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
     add_or_queue([record = to_record(m)](Run& run) { run.session().add_scan(record); });
   });
-  const auto channel = context_.worker.add_channel("subscribers", kPublisherQueue);
-  const auto publish_all = [this] {
-    if (run_) publish_verdicts(run_->verdicts());
-  };
-  // A new subscriber is told of all loops at once.
-  verdicts_ = advertise<LoopVerdictMessage>(context_, "graph_verdict", kUnlimitedQueue, channel,
-                                            publish_all);
 }
 
 /// Returns the first key frame that the session of this run lacks.
@@ -332,7 +336,9 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   if (known == 0) return;
   report_state();
   ROS_INFO_STREAM(known << " key frames of run " << run_id << " exist already");
+  files_outdated_ = true;
   publish_poses(run_->poses(), false);
+  publish_verdicts(run_->verdicts());
 }
 
 /// Other nodes turn the positions of this drive to it.

@@ -44,6 +44,7 @@ class BackEndNode {
  private:
   using Run = pipeline::RecordedBackEnd;
 
+  void advertise_verdicts();
   void resume();
   void subscribe_all();
   void advertise_services();

@@ -2,6 +2,7 @@
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 
 #include "lidar_mapping/pipeline/datum.hpp"
@@ -46,22 +47,36 @@ bool are_due(std::size_t poses, std::size_t stored) { return poses >= stored + 2
 
 RecordedBackEnd::RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config)
     : session_(std::move(session)), back_end_(config), uses_loops_(config.use_loop_close) {
-  if (session_.key_frame_count() > 0) resume();
+  if (session_.key_frame_count() > 0) {
+    resume();
+  } else {
+    opening_report_ = back_end::report_of(*back_end::solve(*back_end_.problem(true)));
+  }
 }
 
 void RecordedBackEnd::resume() {
   replay(session_, back_end_);
-  back_end_.apply(*back_end::solve(*back_end_.problem(true)));
-  stored_poses_ = session_.key_frame_count();
+  stored_poses_ = session_.poses().poses.size();
   const auto revisions = session_.revisions();
   if (!revisions.empty()) first_revision_ = revisions.back().revision;
-  // Not those of the solution above: settings or decisions may have changed since they were stored.
   const auto stored = newest_verdicts(session_.verdicts());
   for (const auto& [loop, used] : back_end_.loops()) {
     loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
     const auto verdict = stored.find({loop.from, loop.to});
     if (verdict != stored.end()) last_verdicts_.insert(*verdict);
   }
+  solve_at_opening();
+}
+
+/// Settings or decisions may have changed since the last solution was stored, and data may have
+/// come: this one is stored like any other.
+void RecordedBackEnd::solve_at_opening() {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto solution = back_end::solve(*back_end_.problem(true));
+  opening_report_ = back_end::report_of(*solution);
+  opening_report_.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  apply(*solution, opening_report_.seconds, PoseStorage::kWhenGrown);
 }
 
 void RecordedBackEnd::add_key_frame(const KeyFrame& key_frame) {

@@ -59,21 +59,6 @@ std::vector<Loop> decided_loops(const Options& options, const Session& session) 
   return decided;
 }
 
-struct Solved {
-  std::shared_ptr<const back_end::OptimizationSolution> solution;
-  back_end::OptimizationReport report;
-};
-
-Solved solve_timed(const back_end::OptimizationProblem& problem) {
-  const auto begin = std::chrono::steady_clock::now();
-  Solved solved;
-  solved.solution = back_end::solve(problem);
-  solved.report = back_end::report_of(*solved.solution);
-  solved.report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return solved;
-}
-
 void print(const back_end::OptimizationReport& report, const Session& session,
            const std::filesystem::path& directory) {
   std::printf("%s\n", report.message.c_str());
@@ -94,24 +79,25 @@ bool solve_aside(const Options& options) {
   back_end::BackEnd back_end(make_config(options, session));
   pipeline::replay(
       session, pipeline::replace_loops(session.loops(), decided_loops(options, session)), back_end);
-  const Solved solved = solve_timed(*back_end.problem(true));
-  const KeyFramePoses poses = back_end.apply(*solved.solution);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto solution = back_end::solve(*back_end.problem(true));
+  back_end::OptimizationReport report = back_end::report_of(*solution);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const KeyFramePoses poses = back_end.apply(*solution);
   pipeline::write_results(session, back_end, poses, options.output);
-  print(solved.report, session, options.output);
-  return solved.report.success;
+  print(report, session, options.output);
+  return report.success;
 }
 
-/// Adds a new revision of the poses to the session.
+/// Adds a new revision of the poses to the session: that of the solution with which it is opened.
 bool solve_inside(const Options& options) {
   Session session = Session::open(options.session, Session::Access::kWrite);
   const BackEndConfig config = make_config(options, session);
   pipeline::store_decisions(session, decided_loops(options, session));
   pipeline::RecordedBackEnd back_end(std::move(session), config);
-  const Solved solved = solve_timed(*back_end.problem(true));
-  back_end.apply(*solved.solution, solved.report.seconds);
   back_end.write_files();
-  print(solved.report, back_end.session(), back_end.session().directory());
-  return solved.report.success;
+  print(back_end.opening_report(), back_end.session(), back_end.session().directory());
+  return back_end.opening_report().success;
 }
 
 }  // namespace

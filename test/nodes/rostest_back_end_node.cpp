@@ -349,6 +349,25 @@ TEST_F(BackEndNode, ResumesASessionOnRequest) {
   EXPECT_EQ(poses_.messages[0].run_id, "run");
 }
 
+/// A drive without loops and GNSS is solved for the first time when it is resumed.
+TEST_F(BackEndNode, LeavesWhatItHasSolvedOfAResumedSession) {
+  auto node = start();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10));
+  node->stop();
+  const fs::path folder = sessions().front();
+  const auto stored_poses = [&] {
+    return session::Session::open(folder, session::Session::Access::kRead).poses().poses.size();
+  };
+  EXPECT_EQ(stored_poses(), 0U);
+  fs::remove(folder / "graph.g2o");
+  node = start({"_resume:=latest"});
+  ASSERT_TRUE(wait_for_key_frames(10)) << node->output();
+  node->stop();
+  EXPECT_EQ(stored_poses(), 10U);
+  EXPECT_TRUE(fs::exists(folder / "graph.g2o"));
+}
+
 TEST_F(BackEndNode, SaysThatAnotherRunEndsTheSessionThatItResumed) {
   auto node = start();
   publish(0, 5, "first");

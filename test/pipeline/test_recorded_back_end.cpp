@@ -72,6 +72,19 @@ void drive(RecordedBackEnd& back_end, KeyFrameIndex begin, KeyFrameIndex end) {
   }
 }
 
+/// A drive with GNSS at each key frame.
+void drive_with_gnss(RecordedBackEnd& back_end, KeyFrameIndex key_frames) {
+  back_end.set_datum({49.0, 8.4, 110.0});
+  drive(back_end, 0, key_frames);
+  for (KeyFrameIndex index = 0; index < key_frames; ++index) {
+    GnssPosition position;
+    position.stamp = drifting_key_frame(index).stamp;
+    position.p_enu_antenna = true_pose(index).translation + Eigen::Vector3d(100.0, 50.0, 3.0);
+    position.covariance = 0.01 * Eigen::Matrix3d::Identity();
+    back_end.add_gnss(position);
+  }
+}
+
 AppliedSolution optimize(RecordedBackEnd& back_end) {
   return back_end.apply(*back_end::solve(*back_end.problem(true)), 0.5);
 }
@@ -170,6 +183,42 @@ TEST(RecordedBackEnd, RevisionsCountOnFromOneWhosePosesWereNotStored) {
   }
   RecordedBackEnd second(reopened(folder), {});
   EXPECT_GT(optimize_often(second).poses.revision, revision);
+}
+
+// As a node that is started again and ended before anything else arrives.
+TEST(RecordedBackEnd, StoresTheSolutionWithWhichItWasOpened) {
+  const TemporaryFolder folder;
+  {
+    RecordedBackEnd first(Session::create_in(folder.path()), {});
+    drive(first, 0, 10);
+  }
+  {
+    RecordedBackEnd second(reopened(folder), {});
+    EXPECT_TRUE(second.opening_report().success);
+    ASSERT_EQ(second.session().revisions().size(), 1U);
+    EXPECT_EQ(second.session().revisions()[0].cost_before, second.opening_report().cost_before);
+    second.write_files();
+    EXPECT_EQ(second.session().poses().poses.size(), 10U);
+    EXPECT_EQ(second.session().poses().revision, second.poses().revision);
+    drive(second, 10, kKeyFrames);
+  }
+  RecordedBackEnd third(reopened(folder), {});
+  EXPECT_EQ(third.session().poses().poses.size(), kKeyFrames) << "at once: they are many more";
+}
+
+// Who makes a map of the poses of a node asks the session in which frame they lie.
+TEST(RecordedBackEnd, StoresAtOnceThatTheOpenedSessionLiesElsewhere) {
+  const TemporaryFolder folder;
+  {
+    RecordedBackEnd first(Session::create_in(folder.path()), {});
+    drive_with_gnss(first, kKeyFrames);
+    optimize(first);
+    EXPECT_EQ(first.session().poses_in_enu(), true);
+  }
+  back_end::BackEndConfig without_gnss;
+  without_gnss.use_gnss = false;
+  const RecordedBackEnd second(reopened(folder), without_gnss);
+  EXPECT_EQ(second.session().poses_in_enu(), false);
 }
 
 TEST(RecordedBackEnd, RestoresLoopsAfterRestart) {
@@ -351,21 +400,12 @@ TEST(RecordedBackEnd, KeepsPositionsWithoutHeightThroughAChangeOfTheDatum) {
   EXPECT_LT(stored.covariance(0, 0) + stored.covariance(1, 1), 2.01);
 }
 
-/// Whether the session tells where on Earth its map lies, after a drive with GNSS at each key
-/// frame.
+/// Whether the session tells where on Earth its map lies, after a drive with GNSS.
 bool is_georeferenced(const back_end::BackEndConfig& config, KeyFrameIndex key_frames,
                       PoseStorage storage = PoseStorage::kAlways) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), config);
-  back_end.set_datum({49.0, 8.4, 110.0});
-  drive(back_end, 0, key_frames);
-  for (KeyFrameIndex index = 0; index < key_frames; ++index) {
-    GnssPosition position;
-    position.stamp = drifting_key_frame(index).stamp;
-    position.p_enu_antenna = true_pose(index).translation + Eigen::Vector3d(100.0, 50.0, 3.0);
-    position.covariance = 0.01 * Eigen::Matrix3d::Identity();
-    back_end.add_gnss(position);
-  }
+  drive_with_gnss(back_end, key_frames);
   EXPECT_FALSE(session::map_datum(back_end.session()));
   back_end.apply(*back_end::solve(*back_end.problem(true)), 0.5, storage);
   EXPECT_TRUE(back_end.session().datum());

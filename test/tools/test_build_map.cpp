@@ -133,6 +133,27 @@ TEST_F(BuildMap, WritesTilesOfLevelsAndLayersForAGis) {
   EXPECT_EQ(way["features"][0]["geometry"]["coordinates"].size(), session.key_frame_count());
 }
 
+/// What optimize_session has said of the graph, without the time that it took.
+std::string figures_in(const std::string& said) {
+  const std::size_t begin = said.find("key frames ");
+  const std::size_t end = said.find(", ", said.find("cost "));
+  EXPECT_NE(end, std::string::npos) << said;
+  return said.substr(begin, end - begin);
+}
+
+TEST_F(BuildMap, OptimizesASessionInPlaceAsIntoAnotherFolder) {
+  const fs::path session = folder_.path() / "session";
+  fs::copy(whole(), session, fs::copy_options::recursive);
+  ASSERT_EQ(run("optimize_session", {session, "--output", folder_.path() / "aside"}), 0);
+  const std::string aside = figures_in(said());
+  ASSERT_EQ(run("optimize_session", {session}), 0);
+  EXPECT_EQ(figures_in(said()), aside);
+  const session::RevisionRecord stored = opened(session).revisions().back();
+  EXPECT_GT(stored.cost_before, stored.cost_after);
+  EXPECT_GT(stored.seconds, 0.0);
+  EXPECT_EQ(opened(session).poses().revision, stored.revision);
+}
+
 /// Positions were received, and the session has a datum, but the poses do not lie there.
 TEST_F(BuildMap, WritesLocalMetresIfTheGraphDoesNotUseGnss) {
   const fs::path session = folder_.path() / "without_gnss";

@@ -34,13 +34,17 @@ enum class PoseStorage {
 
 /// A back end that stores every input and result in a session: when an add_ function has returned,
 /// its data survive the end of the process. A session that has content is resumed: its data are
-/// inserted into the graph and optimised, so that poses, loops and indices are as before. Key
-/// frames and measurements are written first; if that throws FileError the graph is unchanged. One
-/// thread calls it.
+/// inserted into the graph and optimised, so that poses, loops and indices are as before; this
+/// solution is stored like any other (PoseStorage::kWhenGrown). Key frames and measurements are
+/// written first; if that throws FileError the graph is unchanged. One thread calls it.
 class RecordedBackEnd {
  public:
   /// Resumes `session` if it has key frames. Throws FileError.
   RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config);
+
+  /// Report of the solution with which the session was opened, with its computing time. Without
+  /// key frames there was nothing to solve.
+  const back_end::OptimizationReport& opening_report() const { return opening_report_; }
 
   /// Adds a key frame. Throws FileError, and InputError like BackEnd::add_key_frame().
   void add_key_frame(const KeyFrame& key_frame);
@@ -110,10 +114,12 @@ class RecordedBackEnd {
 
  private:
   void resume();
+  void solve_at_opening();
   void store_poses(const KeyFramePoses& poses, const session::RevisionRecord& record);
 
   session::Session session_;
   back_end::BackEnd back_end_;
+  back_end::OptimizationReport opening_report_;
   Pose T_session_gnss_;  ///< Transformation of positions from their datum to that of the session.
   std::uint32_t first_revision_ = 0;
   std::size_t stored_poses_ = 0;  ///< Number of poses when the last ones were due.

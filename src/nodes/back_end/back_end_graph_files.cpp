@@ -103,7 +103,6 @@ LoadGraph::Response BackEndNode::load(const std::string& path) {
   }
   continue_session(loaded_session(absolute_folder(path)));
   add_early_measurements();
-  files_outdated_ = true;
   return loaded(run_->session(), absolute_folder(path));
 }
 
