@@ -101,6 +101,15 @@ TEST_F(LoopEdits, RefusedLoopIsLeftOut) {
   EXPECT_EQ(verdicts_[0].reason, "a person refused it");
 }
 
+TEST_F(LoopEdits, TheLastLineOfAPairHolds) {
+  session_.add_loop(false_loop());
+  const std::string pair = " 3 " + std::to_string(last() - 1) + "\n";
+  EXPECT_TRUE(edited("refuse" + pair + "auto" + pair).empty()) << "as the session has it";
+  const std::vector<Loop> loops = edited("auto" + pair + "accept" + pair + "refuse" + pair);
+  ASSERT_EQ(loops.size(), 1U);
+  EXPECT_EQ(loops[0].decision, LoopDecision::kRefuse);
+}
+
 /// Three true loops outvote the false one unless a person accepts it.
 TEST_F(LoopEdits, AcceptedLoopPrevailsOverGraph) {
   session_.add_loop(false_loop());

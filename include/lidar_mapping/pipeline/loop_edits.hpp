@@ -8,8 +8,9 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Returns the loops that the edits of a person concern, each with its decision; added loops are
-/// matched as loop closing does it. Nothing is written. Throws InputError with the line of the edit
+/// Returns the loops on which the edits of a person change something, each with its decision; of
+/// several edits of a pair the last one holds. Added loops are matched as loop closing does it.
+/// Nothing is written. Throws InputError with the line of the edit
 /// if there is no such loop or if a pair does not match.
 std::vector<Loop> edited_loops(const session::Session& session,
                                const std::vector<session::LoopEdit>& edits,

@@ -2,6 +2,8 @@
 #include "lidar_mapping/pipeline/loop_edits.hpp"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/loop_closing/pair_match.hpp"
@@ -26,6 +28,18 @@ Loop known_loop(const std::vector<Loop>& loops, const session::LoopEdit& edit) {
   if (found != loops.end()) return *found;
   throw InputError(edit.where + ": there is no loop between key frames " + pair_text(edit) +
                    "; loops.txt of the session lists them, and 'add' makes a new one");
+}
+
+/// Of several lines on a pair the last one, whether or not the session agrees with it already.
+std::vector<session::LoopEdit> last_of_each_pair(const std::vector<session::LoopEdit>& edits) {
+  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, std::size_t> places;
+  std::vector<session::LoopEdit> result;
+  for (const session::LoopEdit& edit : edits) {
+    const auto [place, is_new] = places.try_emplace({edit.from, edit.to}, result.size());
+    if (is_new) result.emplace_back();
+    result[place->second] = edit;
+  }
+  return result;
 }
 
 class PairMatcher {
@@ -69,11 +83,11 @@ std::vector<Loop> edited_loops(const session::Session& session,
   const std::vector<Loop> known = session.loops();
   const PairMatcher matcher(session, config);
   std::vector<Loop> edited;
-  for (const session::LoopEdit& edit : edits) {
+  for (const session::LoopEdit& edit : last_of_each_pair(edits)) {
     Loop loop = edit.add ? matcher.match(edit) : known_loop(known, edit);
     if (!edit.add && loop.decision == edit.decision) continue;
     loop.decision = edit.decision;
-    edited = replace_loops(std::move(edited), {loop});
+    edited.push_back(loop);
   }
   return edited;
 }
