@@ -162,6 +162,21 @@ TEST_F(GraphBuilderTest, CountsPositionsThatAreOfNoUse) {
   EXPECT_EQ(drive_.gnss.size(), 1U);
 }
 
+// A receiver gives a position to each scan, of which few are key frames.
+TEST_F(GraphBuilderTest, CountsUselessPositionsOfKeyFramesAlone) {
+  const double useless = 1.1 * config_.gnss_max_stddev_m;
+  builder_.add_gnss(position_at(10, 0.0, useless), drive_);
+  for (KeyFrameIndex index = 11; index < 20; ++index) {
+    builder_.add_gnss(position_at(index, 0.0, useless), drive_);
+  }
+  EXPECT_EQ(drive_.unusable_gnss, 0U) << "their key frames are not there yet";
+  drive_to(20);
+  builder_.add_gnss(position_at(15, 0.0, useless), drive_);
+  builder_.add_gnss(position_at(20, 0.0, useless), drive_);
+  EXPECT_TRUE(drive_.gnss.empty());
+  EXPECT_EQ(drive_.unusable_gnss, 2U);
+}
+
 TEST_F(GraphBuilderTest, LeavesOutMeasurementsThatAreNone) {
   drive_to(10);
   Floor floor = floor_at(10);

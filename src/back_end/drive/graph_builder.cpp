@@ -70,7 +70,12 @@ void GraphBuilder::attach_pending(Stamp stamp, PendingMeasurements<Value>& pendi
   if (const auto value = pending.extract(stamp)) attach(*value, at_stamp_.at(stamp), drive);
 }
 
+/// Positions of other scans are no part of the graph, and do not count as refused either.
 void GraphBuilder::attach(const GnssPosition& position, int node, DriveGraph& drive) {
+  if (!is_usable(position, config_)) {
+    ++drive.unusable_gnss;
+    return;
+  }
   if (insert_by_node(DriveGnss{position, node}, drive.gnss)) ++new_data_.gnss;
 }
 void GraphBuilder::attach(const ImuSample& sample, int node, DriveGraph& drive) {
@@ -134,10 +139,6 @@ bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
 }
 
 void GraphBuilder::add_gnss(const GnssPosition& position, DriveGraph& drive) {
-  if (!is_usable(position, config_)) {
-    ++drive.unusable_gnss;
-    return;
-  }
   attach_or_store(position, pending_gnss_, drive);
 }
 
