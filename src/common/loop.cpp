@@ -16,6 +16,11 @@ constexpr std::array<const char*, 4> kSources = {"position", "gnss", "appearance
 constexpr std::array<const char*, 3> kDecisions = {"auto", "accept", "refuse"};
 constexpr std::array<const char*, 3> kVerdicts = {"accepted", "refused", "undecided"};
 
+// By which is_waiting() knows them; sessions hold it since their first version.
+constexpr const char* kWaiting =
+    "the two segments are not connected yet, and the matches that agree with each other cover less "
+    "than";
+
 template <typename Value, typename Names>
 const char* name_of(Value value, const Names& names) {
   return names[static_cast<std::size_t>(value)];
@@ -43,6 +48,14 @@ LoopVerdict verdict_on(const Loop& loop, Verdict decision, const std::string& re
   verdict.fitness = loop.fitness;
   verdict.overlap = loop.overlap;
   return verdict;
+}
+
+std::string waiting_reason(double path_length) {
+  return formatted("%s %g m of path (unanchored_path_length)", kWaiting, path_length);
+}
+
+bool is_waiting(const LoopVerdict& verdict) {
+  return verdict.verdict == Verdict::kUndecided && verdict.reason.rfind(kWaiting, 0) == 0;
 }
 
 std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(

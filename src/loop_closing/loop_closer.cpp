@@ -2,8 +2,7 @@
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 
 #include <algorithm>
-
-#include "lidar_mapping/common/text.hpp"
+#include <set>
 
 #include "decision/segment_connector.hpp"
 #include "decision/verified_candidate.hpp"
@@ -45,6 +44,7 @@ class LoopCloser::Impl {
   using NodeId = Trajectory::NodeId;
 
   const Trajectory& trajectory() const { return generator_.trajectory(); }
+  void note_loop_at(NodeId to);
   bool is_due() const;
   std::vector<Candidate> selected_candidates() const;
   std::optional<VerifiedCandidate> refused_by_views(const Candidate& candidate);
@@ -62,6 +62,8 @@ class LoopCloser::Impl {
   std::optional<QueryScan> query_;
   int key_frames_since_search_ = 0;
   std::optional<double> last_loop_travelled_;
+  // Newer key frames of loops that were restored before these: those are searched again.
+  std::set<KeyFrameIndex> early_loop_ends_;
 };
 
 void LoopCloser::Impl::add(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {
@@ -70,13 +72,21 @@ void LoopCloser::Impl::add(const KeyFrame& key_frame, const PreparedKeyFrame& pr
   if (scan && !appearance) appearance = appearance_of(*scan);
   generator_.append(key_frame, appearance);
   ++key_frames_since_search_;
+  if (early_loop_ends_.erase(key_frame.index) > 0) note_loop_at(trajectory().size() - 1);
 }
 
 void LoopCloser::Impl::add(const Loop& loop) {
   generator_.add_loop(loop);
   const auto to = trajectory().find(loop.to);
-  if (!to) return;
-  last_loop_travelled_ = std::max(last_loop_travelled_.value_or(0.0), trajectory()[*to].travelled);
+  if (to) {
+    note_loop_at(*to);
+  } else {
+    early_loop_ends_.insert(loop.to);
+  }
+}
+
+void LoopCloser::Impl::note_loop_at(NodeId to) {
+  last_loop_travelled_ = std::max(last_loop_travelled_.value_or(0.0), trajectory()[to].travelled);
 }
 
 bool LoopCloser::Impl::is_due() const {
@@ -156,10 +166,7 @@ void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosi
   const std::vector<Loop> group = connector_.add(loop, trajectory());
   if (group.empty()) {
     result.verdicts.back().verdict = Verdict::kUndecided;
-    result.verdicts.back().reason = formatted(
-        "the two segments are not connected yet, and the matches that agree with each other cover "
-        "less than %g m of path (unanchored_path_length)",
-        config_.unanchored_path_length);
+    result.verdicts.back().reason = waiting_reason(config_.unanchored_path_length);
   }
   for (const Loop& member : group) {
     result.loops.push_back(member);

@@ -18,7 +18,7 @@ class LoopSearch {
 
   void process(DriveChunk& chunk);
   /// Restores the state of the search from the session of a drive that is resumed. Key frames with
-  /// candidates that are not decided yet are searched again.
+  /// matches that still wait for others are searched again.
   void restore(const RecordedBackEnd& back_end);
 
  private:

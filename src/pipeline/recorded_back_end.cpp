@@ -59,7 +59,9 @@ void RecordedBackEnd::resume() {
   stored_poses_ = session_.poses().poses.size();
   const auto revisions = session_.revisions();
   if (!revisions.empty()) first_revision_ = revisions.back().revision;
-  const auto stored = newest_verdicts(session_.verdicts());
+  const std::vector<LoopVerdict> verdicts = session_.verdicts();
+  for (const LoopVerdict& verdict : verdicts) note_said(verdict);
+  const auto stored = newest_verdicts(verdicts);
   for (const auto& [loop, used] : back_end_.loops()) {
     loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
     const auto verdict = stored.find({loop.from, loop.to});
@@ -108,7 +110,13 @@ void RecordedBackEnd::add_gnss(const GnssPosition& position) {
   back_end_.add_gnss(in_session);
 }
 
+/// Returns false if the same was said of the two key frames before.
+bool RecordedBackEnd::note_said(const LoopVerdict& verdict) {
+  return said_.emplace(verdict.from, verdict.to, verdict.verdict, verdict.reason).second;
+}
+
 void RecordedBackEnd::add_verdict(const LoopVerdict& verdict) {
+  if (!note_said(verdict)) return;
   session_.add_verdict(verdict);
   const auto last = last_verdicts_.find({verdict.from, verdict.to});
   if (last != last_verdicts_.end()) last->second = verdict;
@@ -169,7 +177,7 @@ KeyFrameIndex RecordedBackEnd::searched_key_frames() const {
   std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> open;  // by the newer key frame
   for (const LoopVerdict& verdict : session_.verdicts()) {
     searched = std::max(searched, verdict.to + 1);
-    if (verdict.verdict == Verdict::kUndecided) {
+    if (is_waiting(verdict)) {
       open.emplace(verdict.to, verdict.from);
     } else {
       open.erase({verdict.to, verdict.from});

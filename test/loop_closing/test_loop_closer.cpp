@@ -332,6 +332,23 @@ TEST(LoopCloser, ClosesSoonAfterARestart) {
   }
 }
 
+// Loops are restored before the key frames that are searched again (min_edge_interval).
+TEST(LoopCloser, FindsNoSecondLoopOfAKeyFrameThatIsSearchedAgain) {
+  const ToyWorld world = make_town(80.0, 100.0, 2);
+  const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}});
+  DriveClouds clouds(world, truth);
+  LoopCloser closer({}, clouds);
+  const std::size_t stop = 45;
+  for (std::size_t i = 0; i < stop; ++i) closer.restore(key_frame(i, truth[i]));
+  Loop known;
+  known.from = 17;
+  known.to = stop;
+  closer.restore({known}, {}, {});
+  for (const std::size_t i : {stop, stop + 1}) {
+    EXPECT_TRUE(closer.process(key_frame(i, truth[i])).verdicts.empty()) << i;
+  }
+}
+
 // A front end that restarts begins a segment that odometry does not connect to the one before.
 TEST(LoopCloser, ConnectsASegmentToTheOneBefore) {
   const ToyWorld world = make_town(80.0, 100.0, 2);

@@ -233,7 +233,9 @@ TEST_F(BackEndNode, GivesLoopsAndPositionsOfKeyFrames) {
   LoopVerdict verdict;
   for (const KeyFrameIndex to : {20U, 30U, 25U}) {
     verdict.to = to;
-    verdict.verdict = to == 25U ? Verdict::kUndecided : Verdict::kRefused;
+    const bool waits = to == 25U;
+    verdict.verdict = waits ? Verdict::kUndecided : Verdict::kRefused;
+    verdict.reason = waits ? waiting_reason(30.0) : "for the test";
     verdicts.publish(ros_border::to_message(verdict, "run", "base_link"));
   }
   EXPECT_TRUE(wait_until([&] { return known().searched == 25; })) << "25 is open yet";

@@ -50,8 +50,7 @@ class LoopSearchTest : public ::testing::Test {
     }
     bool has_waiting_match() const {
       const std::vector<LoopVerdict> verdicts = back_end.session().verdicts();
-      return std::any_of(verdicts.begin(), verdicts.end(),
-                         [](const LoopVerdict& v) { return v.verdict == Verdict::kUndecided; });
+      return std::any_of(verdicts.begin(), verdicts.end(), is_waiting);
     }
 
     RecordedBackEnd back_end;
@@ -122,7 +121,7 @@ TEST_F(LoopSearchTest, KnowsThePositionsOfKeyFramesThatAreSearchedAgain) {
     }
     Loop open;
     open.to = 5;
-    run.back_end.add_verdict(verdict_on(open, Verdict::kUndecided, "for the test"));
+    run.back_end.add_verdict(verdict_on(open, Verdict::kUndecided, waiting_reason(20.0)));
   }
   loop_closing::LoopClosingConfig by_gnss_alone = config();
   by_gnss_alone.position_candidates = false;

@@ -434,22 +434,40 @@ TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {
   }
 }
 
-TEST(RecordedBackEnd, SearchesAgainWhereACandidateIsOpen) {
+TEST(RecordedBackEnd, SearchesAgainWhereAMatchWaits) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});
   EXPECT_EQ(back_end.searched_key_frames(), 0U);
   drive(back_end, 0, 40);
-  const auto decide = [&](KeyFrameIndex from, KeyFrameIndex to, Verdict decision) {
+  const auto decide = [&](KeyFrameIndex from, KeyFrameIndex to, Verdict decision,
+                          const std::string& reason = "for the test") {
     Loop loop;
     loop.from = from;
     loop.to = to;
-    back_end.add_verdict(verdict_on(loop, decision, "for the test"));
+    back_end.add_verdict(verdict_on(loop, decision, reason));
   };
-  decide(3, 25, Verdict::kUndecided);
+  decide(2, 15, Verdict::kUndecided, "nothing stands above the ground");
+  EXPECT_EQ(back_end.searched_key_frames(), 16U) << "another search would say the same";
+  decide(3, 25, Verdict::kUndecided, waiting_reason(30.0));
   decide(5, 30, Verdict::kRefused);
   EXPECT_EQ(back_end.searched_key_frames(), 25U) << "it is open yet";
   decide(3, 25, Verdict::kAccepted);
   EXPECT_EQ(back_end.searched_key_frames(), 31U);
+}
+
+TEST(RecordedBackEnd, StoresOnceWhatASearchSaysAgain) {
+  const TemporaryFolder folder;
+  const auto waiting = verdict_on(closing_loop(), Verdict::kUndecided, waiting_reason(30.0));
+  const auto accepted = verdict_on(closing_loop(), Verdict::kAccepted, "another confirms it");
+  for (int start = 0; start < 3; ++start) {
+    const bool is_first = start == 0;
+    RecordedBackEnd back_end(is_first ? Session::create_in(folder.path()) : reopened(folder), {});
+    if (is_first) drive(back_end, 0, kKeyFrames);
+    back_end.add_verdict(waiting);
+    back_end.add_verdict(accepted);
+    EXPECT_EQ(back_end.session().verdicts().size(), 2U);
+    EXPECT_EQ(back_end.searched_key_frames(), kKeyFrames) << "the newest one is the last";
+  }
 }
 
 TEST(RecordedBackEnd, ReturnsTheWarningsThatItWrites) {

@@ -66,6 +66,12 @@ struct LoopVerdict {
 
 /// A verdict on a loop, with what the loop knows of its match.
 LoopVerdict verdict_on(const Loop& loop, Verdict decision, const std::string& reason);
+/// The reason of a match between segments that nothing connects yet: it waits until matches that
+/// agree with it span `path_length` m (unanchored_path_length).
+std::string waiting_reason(double path_length);
+/// Whether a verdict is on a match that waits for others (waiting_reason()). Other undecided ones
+/// lack evidence and wait for nothing.
+bool is_waiting(const LoopVerdict& verdict);
 /// The newest verdict on each pair of key frames (from, to).
 std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(
     const std::vector<LoopVerdict>& verdicts);

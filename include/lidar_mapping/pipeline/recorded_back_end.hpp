@@ -6,7 +6,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -64,7 +66,9 @@ class RecordedBackEnd {
   void add_floor(const Floor& floor);
 
   /// Adds a verdict of loop closing. If the graph has the loop and thinks otherwise, the next
-  /// solution says so again: the newest verdict in the session is that of the graph.
+  /// solution says so again: the newest verdict in the session is that of the graph. What was said
+  /// of the two key frames before in the same words, as by a search after a restart, is not stored
+  /// again.
   void add_verdict(const LoopVerdict& verdict);
 
   /// Sets the datum of all positions that are added afterwards. If the session has another one, it
@@ -97,9 +101,8 @@ class RecordedBackEnd {
   /// Present verdict of the graph on every loop.
   std::vector<LoopVerdict> verdicts() const;
 
-  /// Index below which loop closing has decided on all candidates. Key frames with a candidate that
-  /// still waits for confirmation are searched again after a restart, because the candidate would
-  /// be lost otherwise.
+  /// Index below which loop closing has searched for good. Key frames with a match that still waits
+  /// for others are searched again after a restart, because the match would be lost otherwise.
   KeyFrameIndex searched_key_frames() const;
 
   /// The session, for data that the graph does not need: scans, datum and configuration.
@@ -115,6 +118,7 @@ class RecordedBackEnd {
  private:
   void resume();
   void solve_at_opening();
+  bool note_said(const LoopVerdict& verdict);
   void store_poses(const KeyFramePoses& poses, const session::RevisionRecord& record);
 
   session::Session session_;
@@ -127,6 +131,8 @@ class RecordedBackEnd {
   bool uses_loops_ = true;                           ///< As configured.
   /// Newest stored verdict on each pair of key frames with a loop in the graph.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> last_verdicts_;
+  /// What loop closing has said of each pair of key frames.
+  std::set<std::tuple<KeyFrameIndex, KeyFrameIndex, Verdict, std::string>> said_;
   /// T_from_to of every loop in the graph; the newest one for each pair of key frames.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, Pose> loop_poses_;
 };
