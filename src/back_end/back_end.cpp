@@ -119,6 +119,7 @@ void BackEnd::add_key_frame(const KeyFrame& key_frame) {
   impl_->builder().add_key_frame(key_frame, impl_->drive());
 }
 bool BackEnd::add_loop(const Loop& loop) { return impl_->builder().add_loop(loop, impl_->drive()); }
+bool BackEnd::fits(const Loop& loop) const { return placed(loop, impl_->drive()).has_value(); }
 void BackEnd::add_gnss(const GnssPosition& position) {
   impl_->builder().add_gnss(position, impl_->drive());
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <set>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/datum.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
@@ -89,8 +90,9 @@ void RecordedBackEnd::add_key_frame(const KeyFrame& key_frame) {
 }
 
 bool RecordedBackEnd::add_loop(const Loop& loop) {
-  if (!back_end_.add_loop(loop)) return false;
+  if (!back_end_.fits(loop)) return false;
   session_.add_loop(loop);
+  back_end_.add_loop(loop);
   loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
   return true;
 }
@@ -138,37 +140,56 @@ void RecordedBackEnd::add_floor(const Floor& floor) {
   back_end_.add_floor(floor);
 }
 
+/// The graph has moved even if the session cannot be written: whoever follows it has to know.
 AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& solution,
                                        double seconds, PoseStorage storage) {
   back_end_.apply(solution);
   AppliedSolution applied;
   applied.poses = poses();
-  const session::RevisionRecord record =
-      record_of(back_end::report_of(solution), applied.poses.revision, seconds);
-  if (storage == PoseStorage::kAlways || are_due(applied.poses.poses.size(), stored_poses_)) {
-    store_poses(applied.poses, record);
-    stored_poses_ = applied.poses.poses.size();
-  } else if (back_end_.in_enu() != session_.poses_in_enu().value_or(false)) {
-    // Who makes a map meanwhile of the newest poses asks the session in which frame they lie.
-    store_poses(applied.poses, record);
-  } else {
-    session_.set_revision(record);
-    unstored_ = record;
-  }
-  // A corrected loop has two in the graph.
-  for (const auto& [pair, verdict] : newest_verdicts(verdicts())) {
-    LoopVerdict& last = last_verdicts_[pair];
-    if (say_the_same(verdict, last)) continue;
-    last = verdict;
-    session_.add_verdict(verdict);
-    applied.verdicts.push_back(verdict);
+  applied.verdicts = changed_verdicts();
+  unstored_ = record_of(back_end::report_of(solution), applied.poses.revision, seconds);
+  unstored_verdicts_.insert(unstored_verdicts_.end(), applied.verdicts.begin(),
+                            applied.verdicts.end());
+  try {
+    store_solution(applied.poses, storage);
+  } catch (const FileError& error) {
+    applied.storing_failure = error.what();
   }
   return applied;
 }
 
-void RecordedBackEnd::store_poses(const KeyFramePoses& poses,
-                                  const session::RevisionRecord& record) {
-  session_.set_poses(poses, record, back_end_.in_enu());
+/// Present verdicts that are not the last ones of the graph. A corrected loop has two in it.
+std::vector<LoopVerdict> RecordedBackEnd::changed_verdicts() {
+  std::vector<LoopVerdict> changed;
+  for (const auto& [pair, verdict] : newest_verdicts(verdicts())) {
+    LoopVerdict& last = last_verdicts_[pair];
+    if (say_the_same(verdict, last)) continue;
+    last = verdict;
+    changed.push_back(verdict);
+  }
+  return changed;
+}
+
+void RecordedBackEnd::store_solution(const KeyFramePoses& poses, PoseStorage storage) {
+  store_verdicts();
+  const bool is_due = storage == PoseStorage::kAlways || are_due(poses.poses.size(), stored_poses_);
+  // Who makes a map meanwhile of the newest poses asks the session in which frame they lie.
+  if (is_due || back_end_.in_enu() != session_.poses_in_enu().value_or(false)) {
+    store_poses(poses);
+  } else {
+    session_.set_revision(*unstored_);
+  }
+  if (is_due) stored_poses_ = poses.poses.size();
+}
+
+void RecordedBackEnd::store_verdicts() {
+  for (; !unstored_verdicts_.empty(); unstored_verdicts_.pop_front()) {
+    session_.add_verdict(unstored_verdicts_.front());
+  }
+}
+
+void RecordedBackEnd::store_poses(const KeyFramePoses& poses) {
+  session_.set_poses(poses, *unstored_, back_end_.in_enu());
   unstored_.reset();
 }
 
@@ -202,7 +223,8 @@ std::vector<LoopVerdict> RecordedBackEnd::verdicts() const {
 }
 
 std::vector<std::string> RecordedBackEnd::write_files() {
-  if (unstored_) store_poses(poses(), *unstored_);
+  store_verdicts();
+  if (unstored_) store_poses(poses());
   return warnings(write_results(session_, back_end_, poses(), session_.directory()));
 }
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
 #include <future>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "back_end/solver_queue.hpp"
+#include "full_disk.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -67,6 +71,29 @@ TEST_F(SolverQueueOfARun, ASolutionThatCannotBeAppliedHasFailed) {
   ASSERT_EQ(reported.wait_for(std::chrono::seconds(20)), std::future_status::ready);
   EXPECT_EQ(reported.get(), "no space left");
   EXPECT_FALSE(queue.is_solving());
+}
+
+// The graph has moved: the callers get its report, and subscribers its poses.
+TEST_F(SolverQueueOfARun, ASolutionThatCannotBeStoredHasNotFailed) {
+  KeyFrame key_frame;
+  key_frame.cloud = std::make_shared<const PointCloud>();
+  run_->add_key_frame(key_frame);
+  std::promise<std::pair<std::string, std::string>> failures;
+  SolverQueue queue(worker_, [&](const SolvedProblem& solved) {
+    std::string storing_failure;
+    if (solved.solution) {
+      const test::FullDisk full;
+      storing_failure = run_->apply(*solved.solution, solved.seconds).storing_failure;
+    }
+    queue.finish();
+    failures.set_value({solved.failure, storing_failure});
+  });
+  queue.solve(run_, true);
+  auto reported = failures.get_future();
+  ASSERT_EQ(reported.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  const auto [failure, storing_failure] = reported.get();
+  EXPECT_EQ(failure, "");
+  EXPECT_NE(storing_failure, "");
 }
 
 TEST_F(SolverQueueOfARun, CallersOfDroppedRequestsGetAnError) {

@@ -7,6 +7,7 @@
 #include "lidar_mapping/session/map_datum.hpp"
 
 #include "file_content.hpp"
+#include "full_disk.hpp"
 #include "near.hpp"
 #include "temporary_folder.hpp"
 
@@ -357,6 +358,47 @@ TEST(RecordedBackEnd, RefusesAllLoopsWhereLoopsAreNotUsed) {
   optimize(back_end);
   EXPECT_EQ(stored_verdict(back_end, closing_loop()).verdict, Verdict::kRefused);
   EXPECT_EQ(stored_verdict(back_end, closing_loop()).reason, "loops are not used (use_loop_close)");
+}
+
+TEST(RecordedBackEnd, FollowsASolutionThatTheSessionCannotStore) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  ASSERT_TRUE(back_end.add_loop(closing_loop()));
+  const auto solution = back_end::solve(*back_end.problem(true));
+  AppliedSolution applied;
+  {
+    const test::FullDisk full;
+    applied = back_end.apply(*solution, 0.5);
+  }
+  EXPECT_NE(applied.storing_failure, "");
+  EXPECT_EQ(applied.verdicts.size(), 1U);
+  EXPECT_TRUE(
+      test::near(applied.poses.poses.back().T_map_base.translation, Eigen::Vector3d::Zero(), 0.1));
+  EXPECT_TRUE(back_end.session().poses().poses.empty());
+  EXPECT_TRUE(back_end.session().verdicts().empty());
+  back_end.write_files();
+  EXPECT_EQ(back_end.session().poses().revision, applied.poses.revision);
+  EXPECT_EQ(back_end.session().revisions().back().seconds, 0.5);
+  EXPECT_EQ(stored_verdict(back_end, closing_loop()).reason, "the graph agrees with it");
+  EXPECT_EQ(optimize(back_end).storing_failure, "");
+}
+
+TEST(RecordedBackEnd, TakesNoLoopThatTheSessionCannotStore) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  bool has_failed = false;
+  try {
+    const test::FullDisk full;
+    back_end.add_loop(closing_loop());
+  } catch (const FileError&) {
+    has_failed = true;
+  }
+  EXPECT_TRUE(has_failed);
+  EXPECT_TRUE(back_end.verdicts().empty()) << "the graph is as before";
+  EXPECT_FALSE(back_end.has_loop(closing_loop()));
+  EXPECT_TRUE(back_end.add_loop(closing_loop()));
 }
 
 // A finished session that a new drive extends keeps its frame.

@@ -57,9 +57,11 @@ class BackEnd {
   /// Adds a node. Its pose follows by odometry from the newest optimised pose. Throws InputError
   /// unless the indices increase and the pose is finite.
   void add_key_frame(const KeyFrame& key_frame);
-  /// Adds a loop. Returns false and changes nothing if an index is unknown, if both indices are the
-  /// same, or if the pose or its covariance has no meaning.
+  /// Adds a loop. Returns false and changes nothing if it does not fit.
   bool add_loop(const Loop& loop);
+  /// Whether a loop can be added: false if an index is unknown, if both indices are the same, or if
+  /// the pose or its covariance has no meaning.
+  bool fits(const Loop& loop) const;
   /// Adds a position whose stamp is that of a key frame; it may come before the key frame. The
   /// newest 1000 positions without a key frame are stored, older ones are dropped. A key frame
   /// that has a position already keeps it.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,6 +25,9 @@ struct AppliedSolution {
   /// Verdicts on the loops that the graph now accepts or refuses other than the session says, or
   /// for another reason.
   std::vector<LoopVerdict> verdicts;
+  /// Why the session does not have all of this yet; empty if it has what is due. The next solution
+  /// or write_files() tries again.
+  std::string storing_failure;
 };
 
 /// When the poses of a solution are stored in the session. All of them are written at once.
@@ -37,8 +41,9 @@ enum class PoseStorage {
 /// A back end that stores every input and result in a session: when an add_ function has returned,
 /// its data survive the end of the process. A session that has content is resumed: its data are
 /// inserted into the graph and optimised, so that poses, loops and indices are as before; this
-/// solution is stored like any other (PoseStorage::kWhenGrown). Key frames and measurements are
-/// written first; if that throws FileError the graph is unchanged. One thread calls it.
+/// solution is stored like any other (PoseStorage::kWhenGrown). Key frames,
+/// measurements and loops are written first; if that throws FileError the graph is unchanged. One
+/// thread calls it.
 class RecordedBackEnd {
  public:
   /// Resumes `session` if it has key frames. Throws FileError.
@@ -82,7 +87,8 @@ class RecordedBackEnd {
     return back_end_.problem(thorough);
   }
   /// Applies a solution whose computation took `seconds`, and stores its figures in the session,
-  /// and its poses if they are due.
+  /// and its poses if they are due. If they cannot be stored the graph follows the solution all the
+  /// same (AppliedSolution::storing_failure).
   AppliedSolution apply(const back_end::OptimizationSolution& solution, double seconds,
                         PoseStorage storage = PoseStorage::kAlways);
 
@@ -119,7 +125,10 @@ class RecordedBackEnd {
   void resume();
   void solve_at_opening();
   bool note_said(const LoopVerdict& verdict);
-  void store_poses(const KeyFramePoses& poses, const session::RevisionRecord& record);
+  std::vector<LoopVerdict> changed_verdicts();
+  void store_solution(const KeyFramePoses& poses, PoseStorage storage);
+  void store_verdicts();
+  void store_poses(const KeyFramePoses& poses);
 
   session::Session session_;
   back_end::BackEnd back_end_;
@@ -128,8 +137,9 @@ class RecordedBackEnd {
   std::uint32_t first_revision_ = 0;
   std::size_t stored_poses_ = 0;  ///< Number of poses when the last ones were due.
   std::optional<session::RevisionRecord> unstored_;  ///< Revision whose poses are not stored yet.
+  std::deque<LoopVerdict> unstored_verdicts_;        ///< Of the graph, not stored yet.
   bool uses_loops_ = true;                           ///< As configured.
-  /// Newest stored verdict on each pair of key frames with a loop in the graph.
+  /// Newest verdict on each pair of key frames with a loop in the graph.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> last_verdicts_;
   /// What loop closing has said of each pair of key frames.
   std::set<std::tuple<KeyFrameIndex, KeyFrameIndex, Verdict, std::string>> said_;

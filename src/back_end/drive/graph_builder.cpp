@@ -53,6 +53,14 @@ std::optional<int> position_of(KeyFrameIndex index, const DriveGraph& drive) {
 
 }  // namespace
 
+std::optional<DriveLoop> placed(const Loop& loop, const DriveGraph& drive) {
+  const std::optional<int> from = position_of(loop.from, drive);
+  const std::optional<int> to = position_of(loop.to, drive);
+  if (!from || !to || *from == *to) return std::nullopt;
+  if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return std::nullopt;
+  return DriveLoop{loop, *from, *to};
+}
+
 template <typename Value>
 void GraphBuilder::attach_or_store(const Value& value, PendingMeasurements<Value>& pending,
                                    DriveGraph& drive) {
@@ -128,12 +136,10 @@ void GraphBuilder::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
 }
 
 bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
-  const std::optional<int> from = position_of(loop.from, drive);
-  const std::optional<int> to = position_of(loop.to, drive);
-  if (!from || !to || *from == *to) return false;
-  if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
-  DriveLoop& added = drive.loops.emplace_back(DriveLoop{loop, *from, *to});
-  added.evaluated = !config_.use_loop_close || loop.decision == LoopDecision::kRefuse;
+  std::optional<DriveLoop> added = placed(loop, drive);
+  if (!added) return false;
+  added->evaluated = !config_.use_loop_close || loop.decision == LoopDecision::kRefuse;
+  drive.loops.push_back(*added);
   ++new_data_.loops;
   return true;
 }

@@ -39,6 +39,9 @@ struct NewDataCounts {
   int gnss = 0;
 };
 
+/// A loop with the nodes of its key frames; empty if it does not fit the drive (BackEnd::fits()).
+std::optional<DriveLoop> placed(const Loop& loop, const DriveGraph& drive);
+
 /// Adds key frames, loops and measurements to a drive. It checks them and assigns measurements to
 /// the key frame with the same stamp, in either order of arrival.
 class GraphBuilder {

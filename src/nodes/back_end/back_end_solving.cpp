@@ -34,6 +34,12 @@ void BackEndNode::apply_solution(const SolvedProblem& solved) {
     done.corrected = back_end::change_between(run_->odometry(), applied.poses);
     if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;
     done.session = run_->session().directory().string();
+    if (!applied.storing_failure.empty()) {
+      const std::string problem =
+          "the session does not have this solution yet: " + applied.storing_failure;
+      ROS_ERROR_STREAM(problem);
+      done.report.remarks.push_back(problem);
+    }
     files_outdated_ = true;
     publish_poses(applied.poses, solved.thorough && done.report.success);
     publish_verdicts(applied.verdicts);

@@ -34,8 +34,8 @@ void SolverQueue::solve(const std::shared_ptr<pipeline::RecordedBackEnd>& run, b
   });
 }
 
-/// A solution that cannot be applied, for example because the disk is full, is a failure as well:
-/// otherwise the node would wait for it for ever.
+/// A solution that cannot be applied is a failure as well: otherwise the node would wait for it for
+/// ever. One that the session cannot store is applied (RecordedBackEnd::apply()).
 void SolverQueue::apply(SolvedProblem solved) {
   try {
     apply_(solved);
