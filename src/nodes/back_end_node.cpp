@@ -54,8 +54,8 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
       poses_(context.node, config.node.map_frame),
       optimized_odom_(
           context.node.advertise<nav_msgs::Odometry>("optimized_odom", kPublisherQueue)),
-      key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },
-                  [this](const RunKeyFrame& received) { add_key_frame(received.key_frame); },
+      key_frames_([](const auto&) { return std::vector<ReceivedKeyFrame>(); },
+                  [this](const ReceivedKeyFrame& received) { add_key_frame(received); },
                   [this](const std::string& run_id) { return continue_run(run_id); }),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       loops_(context.worker.add_channel("early loops", kEarlyLoops)),
@@ -129,9 +129,7 @@ void BackEndNode::listen(const std::string& topic, Handle handle) {
 }
 
 void BackEndNode::subscribe_all() {
-  listen<KeyFrameMessage>("key_frame", [this](const auto& m) {
-    key_frames_.push({m.run_id, from_message(m)});
-  });
+  listen<KeyFrameMessage>("key_frame", [this](const auto& m) { key_frames_.push(received(m)); });
   listen<LoopMessage>("loop", [this](const auto& m) { add_loop(m); });
   listen<LoopVerdictMessage>("loop_verdict", [this](const auto& m) { add_verdict(m); });
   listen<nav_msgs::Odometry>("synced_gnss", [this](const auto& m) { add_gnss(m); });
@@ -166,13 +164,14 @@ KeyFrameIndex BackEndNode::continue_run(const std::string& run_id) {
   return next_index_;
 }
 
-void BackEndNode::add_key_frame(const KeyFrame& key_frame) {
+void BackEndNode::add_key_frame(const ReceivedKeyFrame& received) {
+  const KeyFrame& key_frame = received.key_frame;
   report_missing();
   context_.diagnostics.count_input(key_frame.stamp);
   next_index_ = key_frame.index + 1;
   run_->add_key_frame(key_frame);
   files_outdated_ = true;
-  store_sensor_origin();
+  store_sensor_origin(received);
   context_.diagnostics.set("key frames", key_frame.index + 1);
   report_state();
   add_early_loops();
@@ -201,9 +200,10 @@ void BackEndNode::report_missing() {
   if (missing > before) ROS_WARN_STREAM("key frames that did not arrive: " << missing - before);
 }
 
-void BackEndNode::store_sensor_origin() {
+void BackEndNode::store_sensor_origin(const ReceivedKeyFrame& received) {
   if (run_->session().sensor_origin()) return;
-  const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  auto origin = received.p_base_lidar;
+  if (!origin) origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
   if (origin) run_->session().set_sensor_origin(*origin);
 }
 

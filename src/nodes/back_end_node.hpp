@@ -52,11 +52,11 @@ class BackEndNode {
   void listen(const std::string& topic, Handle handle);
 
   KeyFrameIndex continue_run(const std::string& run_id);
-  void add_key_frame(const KeyFrame& key_frame);
+  void add_key_frame(const ReceivedKeyFrame& received);
   void add_early_loops();
   void finalize();
   void report_missing();
-  void store_sensor_origin();
+  void store_sensor_origin(const ReceivedKeyFrame& received);
   void add_loop(const LoopMessage& message);
   void add_verdict(const LoopVerdictMessage& message);
   void report_dropped(const std::string& what, std::size_t count);

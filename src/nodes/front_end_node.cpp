@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <std_msgs/UInt32.h>
 #include <tf2_ros/transform_broadcaster.h>
@@ -37,8 +38,8 @@ constexpr std::uint32_t kRepeatedKeyFrames = 30;
 
 /// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
 /// scans_lost, initialpose (before the first scan), external_odom (with `odometry: external`).
-/// Published: laser_odom, key_frame, front_end_status, current_scan, local_map, tf odom ->
-/// base_link. Asks get_key_frames once, at the first scan.
+/// Published: laser_odom, key_frame, front_end_status, current_scan, local_map, lidar_origin
+/// (latched), tf odom -> base_link. Asks get_key_frames once, at the first scan.
 class FrontEndNode {
  public:
   using Config = LidarNodeConfig<front_end::FrontEndConfig>;
@@ -48,7 +49,8 @@ class FrontEndNode {
  private:
   void subscribe_sensors();
   void add_cloud(const sensor_msgs::PointCloud2& message);
-  void move_to_lidar(PointCloud& cloud);
+  bool move_to_lidar(PointCloud& cloud);
+  void set_lidar_origin(Stamp stamp);
   bool is_replayed(Stamp stamp);
   void add_gnss(const nav_msgs::Odometry& message);
   void set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
@@ -71,7 +73,8 @@ class FrontEndNode {
   front_end::FrontEnd front_end_;
   ScanAssembler assembler_;
   SensorFrames sensor_frames_;
-  Pose T_base_scan_;  ///< of the scans' frame
+  Pose T_base_scan_;                             ///< of the scans' frame
+  std::optional<Eigen::Vector3d> p_base_lidar_;  ///< as key frames tell it
   tf2_ros::TransformBroadcaster transforms_;
   WarningLimiter limiter_;
   std::string run_id_;
@@ -79,7 +82,7 @@ class FrontEndNode {
   std::optional<Stamp> end_of_resumed_;  ///< stamp of the last key frame of the run that goes on
   std::size_t scans_replayed_ = 0;
   std::uint32_t scans_lost_upstream_ = 0;  ///< scans that were lost before or in preprocessing
-  ros::Publisher laser_odom_, status_, current_scan_, local_map_;
+  ros::Publisher laser_odom_, status_, current_scan_, local_map_, lidar_origin_;
   RepeatingPublisher<KeyFrameMessage> key_frame_;
   std::vector<ros::Subscriber> subscribers_;
 };
@@ -96,6 +99,7 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
   laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
   status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);
   current_scan_ = context.node.advertise<sensor_msgs::PointCloud2>("current_scan", 1);
+  lidar_origin_ = context.node.advertise<geometry_msgs::PointStamped>("lidar_origin", 1, true);
   // Made while somebody subscribes; who subscribes after the last key frame gets it at once.
   const auto channel = context.worker.add_channel("subscribers", kPublisherQueue);
   local_map_ = advertise<sensor_msgs::PointCloud2>(context, "local_map", 1, channel, [this] {
@@ -151,23 +155,38 @@ void FrontEndNode::add_cloud(const sensor_msgs::PointCloud2& message) {
   if (is_replayed(scan.stamp)) return;
   if (scan.cloud.empty()) throw InputError("the scan has no point with finite coordinates");
   T_base_scan_ = sensor_frames_.required(config_.node.base_frame, message.header.frame_id);
-  if (frame_name(message.header.frame_id) != config_.node.base_frame) {
-    front_end_.set_sensor_pose(T_base_scan_);
-  } else {
-    move_to_lidar(scan.cloud);
-  }
+  const bool is_moved = frame_name(message.header.frame_id) == config_.node.base_frame;
+  if (!is_moved) front_end_.set_sensor_pose(T_base_scan_);
+  if (!is_moved || move_to_lidar(scan.cloud)) set_lidar_origin(scan.stamp);
   assembler_.add_scan(std::move(scan));
 }
 
 /// Preprocessing publishes scans in the LiDAR's frame; another program may have transformed them to
-/// base_link.
-void FrontEndNode::move_to_lidar(PointCloud& cloud) {
-  if (config_.lidar_frame.empty()) return;
+/// base_link. Returns whether it is known where the LiDAR is.
+bool FrontEndNode::move_to_lidar(PointCloud& cloud) {
+  if (config_.lidar_frame.empty()) {
+    ROS_INFO_STREAM_ONCE("the scans are in the frame of the vehicle, '"
+                         << config_.node.base_frame
+                         << "': the LiDAR is taken to be at its origin; if they were moved there, "
+                            "name the frame of the LiDAR by lidar_frame");
+    return true;
+  }
   const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
-  if (!T_base_lidar) return;
+  if (!T_base_lidar) return false;
   T_base_scan_ = *T_base_lidar;
   cloud = transformed(cloud, T_base_scan_.inverse());
   front_end_.set_sensor_pose(T_base_scan_);
+  return true;
+}
+
+/// Key frames and localisation get clouds in base_link, which do not say whence they were measured.
+void FrontEndNode::set_lidar_origin(Stamp stamp) {
+  if (p_base_lidar_ == T_base_scan_.translation) return;
+  p_base_lidar_ = T_base_scan_.translation;
+  geometry_msgs::PointStamped message;
+  message.header = header_of(stamp, config_.node.base_frame);
+  message.point = to_message(T_base_scan_).position;
+  lidar_origin_.publish(message);
 }
 
 /// A large jump back in time means that the recording was restarted; a drive that does not come
@@ -256,7 +275,8 @@ void FrontEndNode::finalize() {
 /// Publishes a final result; subscribers store it.
 void FrontEndNode::publish_final(const front_end::FrontEndResult& result) {
   if (result.key_frame) {
-    key_frame_.publish(to_message(*result.key_frame, run_id_, config_.node.base_frame));
+    key_frame_.publish(
+        to_message(*result.key_frame, run_id_, config_.node.base_frame, p_base_lidar_));
   }
   const auto dropped =
       scans_lost_upstream_ + static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include <geometry_msgs/PointStamped.h>
 #include <nav_msgs/Path.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -57,8 +58,9 @@ Diagnostics::Level level_of(LocalizationState state) {
 LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
-      key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },  // there is no back end
-                  [this](const RunKeyFrame& received) { record(received); }),
+      key_frames_(
+          [](const auto&) { return std::vector<ReceivedKeyFrame>(); },  // there is no back end
+          [this](const RunKeyFrame& received) { record(received); }),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       loader_([](const std::string& what, const std::string& problem) {
         ROS_ERROR_STREAM(what << " failed: " << problem);
@@ -101,6 +103,11 @@ void LocalizationNode::subscribe_all() {
                                              [this](const auto& m) { add_odometry(*m); }),
       subscribe_numbered<sensor_msgs::PointCloud2>(context_, "current_scan", capacity,
                                                    [this](const auto& m) { add_scan(*m); }),
+      subscribe<geometry_msgs::PointStamped>(context_, "lidar_origin", 1,
+                                             [this](const auto& m) {
+                                               p_base_lidar_ = Eigen::Vector3d(
+                                                   m->point.x, m->point.y, m->point.z);
+                                             }),
       subscribe<geometry_msgs::PoseWithCovarianceStamped>(
           context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
   if (config_.record_session) subscribe_drive();
@@ -167,8 +174,7 @@ void LocalizationNode::process(pipeline::PairedScan&& paired) {
     active_map_->localizer.set_initial_pose(*T_map_base);
   }
   const ThreadTime time;
-  paired.input.p_base_lidar = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame)
-                                  .value_or(Eigen::Vector3d::Zero());
+  paired.input.p_base_lidar = lidar_origin().value_or(Eigen::Vector3d::Zero());
   const LocalizationResult result = active_map_->localizer.process(paired.input);
   const double seconds = time.seconds();
   last_scan_ = ros::WallTime::now();
@@ -179,6 +185,11 @@ void LocalizationNode::process(pipeline::PairedScan&& paired) {
   publish_status(result, seconds);
   report(result, seconds);
   record(result);
+}
+
+std::optional<Eigen::Vector3d> LocalizationNode::lidar_origin() {
+  if (p_base_lidar_) return p_base_lidar_;
+  return sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
 }
 
 /// Who waits for the next pose has to know that none will come. The place itself is kept: how

@@ -30,12 +30,12 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Subscribed: current_scan and laser_odom of the front end, initialpose; with record_session its
-/// key_frame and front_end_status, too. Published: ~pose, localized_odom, localized_path,
-/// localization_status, localized_scan (while somebody subscribes), localization_map (latched), tf
-/// map -> odom. Services: relocalize, load_map, save_session. Says so when no scans come, by the
-/// wall clock. Maps are read, and sessions written, in a thread of their own; scans go on
-/// meanwhile.
+/// Subscribed: current_scan, laser_odom and lidar_origin of the front end, initialpose; with
+/// record_session its key_frame and front_end_status, too. Published: ~pose, localized_odom,
+/// localized_path, localization_status, localized_scan (while somebody subscribes),
+/// localization_map (latched), tf map -> odom. Services: relocalize, load_map, save_session. Says
+/// so when no scans come, by the wall clock. Maps are read, and sessions written, in a thread of
+/// their own; scans go on meanwhile.
 class LocalizationNode {
  public:
   using Config = LocalizationNodeConfig;
@@ -70,6 +70,7 @@ class LocalizationNode {
   void process_ready();
   void watch_scans();
   void process(pipeline::PairedScan&& paired);
+  std::optional<Eigen::Vector3d> lidar_origin();
   void publish_pose(const localization::LocalizationResult& result,
                     const pipeline::PairedScan& paired);
   void publish_scan(const localization::LocalizationResult& result);
@@ -101,10 +102,11 @@ class LocalizationNode {
   KeyFrameFeed key_frames_;
   SensorFrames sensor_frames_;
   tf2_ros::TransformBroadcaster transforms_;
-  std::shared_ptr<ActiveMap> active_map_;  ///< none until a map is read
-  pipeline::PoseClaim initial_pose_;       ///< that the next scan in a map is told
-  std::string loading_ = "no map yet";     ///< why no map is active
-  std::optional<Stamp> last_odometry_;     ///< newest one
+  std::shared_ptr<ActiveMap> active_map_;        ///< none until a map is read
+  std::optional<Eigen::Vector3d> p_base_lidar_;  ///< that the front end told
+  pipeline::PoseClaim initial_pose_;             ///< that the next scan in a map is told
+  std::string loading_ = "no map yet";           ///< why no map is active
+  std::optional<Stamp> last_odometry_;           ///< newest one
   ros::WallTime last_scan_;  ///< when the newest one was processed; zero: none, or that was said
   std::string state_;        ///< that was logged last
   KeyFramePoses path_;

@@ -65,8 +65,8 @@ class LoopClosingNode {
 
   void begin_run(const std::string& run_id);
   void restore_graph();
-  void add_key_frame(const RunKeyFrame& received);
-  void update_sensor_origin();
+  void add_key_frame(const ReceivedKeyFrame& received);
+  void update_sensor_origin(const ReceivedKeyFrame& received);
   void update_poses(const KeyFramePosesMessage& message);
   void add_gnss(const nav_msgs::Odometry& message);
   void add_to_run(const GnssPosition& position);
@@ -103,7 +103,7 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
       loop_(context.node, "loop", kRepeatedLoops),
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
-                  [this](const RunKeyFrame& received) { add_key_frame(received); }) {
+                  [this](const ReceivedKeyFrame& received) { add_key_frame(received); }) {
   const std::string notice = loop_closing::describe_substitution(config.stage.registration_method);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   subscribers_ = {
@@ -140,11 +140,11 @@ void LoopClosingNode::restore_graph() {
   stored_run_.reset();
 }
 
-void LoopClosingNode::add_key_frame(const RunKeyFrame& received) {
+void LoopClosingNode::add_key_frame(const ReceivedKeyFrame& received) {
   if (!run_ || received.run_id != run_id_) begin_run(received.run_id);
   const KeyFrame& key_frame = received.key_frame;
   context_.diagnostics.count_input(key_frame.stamp);
-  update_sensor_origin();
+  update_sensor_origin(received);
   if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
   if (stored_run_ && key_frame.index >= stored_run_->searched) restore_graph();
   if (stored_run_) {
@@ -157,8 +157,9 @@ void LoopClosingNode::add_key_frame(const RunKeyFrame& received) {
   report();
 }
 
-void LoopClosingNode::update_sensor_origin() {
-  const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+void LoopClosingNode::update_sensor_origin(const ReceivedKeyFrame& received) {
+  auto origin = received.p_base_lidar;
+  if (!origin) origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
   if (origin) run_->closer.set_sensor_origin(*origin);
 }
 

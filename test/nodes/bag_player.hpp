@@ -23,9 +23,12 @@
 namespace lidar_mapping::test {
 
 /// Publishes the sensors of a simulated drive under the nodes' own topic names, as fast as they are
-/// asked for: what depends on the machine's speed is no test.
+/// asked for: what depends on the machine's speed is no test. The frame of the LiDAR has a name
+/// that is no default of anything.
 class BagPlayer {
  public:
+  static constexpr const char* kLidarFrame = "roof_lidar";
+
   explicit BagPlayer(const std::string& path) {
     rosbag::Bag bag(path, rosbag::bagmode::Read);
     for (const rosbag::MessageInstance& m : rosbag::View(bag)) {
@@ -67,6 +70,15 @@ class BagPlayer {
   };
 
   template <typename Message>
+  static void rename_lidar(Message&) {}
+  static void rename_lidar(sensor_msgs::PointCloud2& cloud) { cloud.header.frame_id = kLidarFrame; }
+  static void rename_lidar(tf2_msgs::TFMessage& message) {
+    for (auto& transform : message.transforms) {
+      if (transform.child_frame_id == "velo_link") transform.child_frame_id = kLidarFrame;
+    }
+  }
+
+  template <typename Message>
   void add(const rosbag::MessageInstance& instance, const std::string& recorded,
            const std::string& topic, bool latched = false) {
     if (instance.getTopic() != recorded) return;
@@ -74,6 +86,7 @@ class BagPlayer {
       return ros::NodeHandle().advertise<Message>(topic, 1000, latched);
     };
     const auto message = instance.instantiate<Message>();
+    rename_lidar(*message);
     messages_.push_back({topic, [message](const ros::Publisher& p) { p.publish(message); }});
   }
 

@@ -484,9 +484,19 @@ TEST_F(FrontEndNode, UsesTheNamesOfFramesThatItIsGiven) {
   EXPECT_EQ(tf_.messages[0].transforms.at(0).header.frame_id, "track");
   EXPECT_EQ(tf_.messages[0].transforms.at(0).child_frame_id, "car");
   EXPECT_EQ(key_frames_.messages[0].header.frame_id, "car");
+  EXPECT_EQ(key_frames_.messages[0].lidar_origin.z, 0.0) << "a LiDAR alone is the vehicle";
   EXPECT_EQ(status_.messages.back().header.frame_id, "car");
   EXPECT_EQ(scans.messages[0].header.frame_id, "car");
   EXPECT_EQ(maps.messages[0].header.frame_id, "track");
+}
+
+/// Points that were moved to base_link from a place that nobody knows are not measured from there.
+TEST_F(FrontEndNode, DoesNotInventThePlaceOfTheLidar) {
+  start({"_lidar_frame:=nowhere"});
+  key_frames_.messages.clear();
+  drive(0, 12);
+  ASSERT_TRUE(key_frames_.wait_for(1)) << node_->output();
+  EXPECT_FALSE(ros_border::received(key_frames_.messages[0]).p_base_lidar);
 }
 
 TEST_F(FrontEndNode, ReportsItsStateInDiagnostics) {

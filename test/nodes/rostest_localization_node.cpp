@@ -42,7 +42,7 @@ class LocalizationNode : public testing::Test {
   /// `more` are arguments of localization_node.
   explicit LocalizationNode(const std::string& drive = "driven",
                             const std::vector<std::string>& more = {})
-      : player_(bag(drive)), arguments_({"_lidar_frame:=velo_link", "_map:=" + map()}) {
+      : player_(bag(drive)), arguments_({"_map:=" + map()}) {
     arguments_.insert(arguments_.end(), more.begin(), more.end());
   }
 
@@ -67,7 +67,7 @@ class LocalizationNode : public testing::Test {
 
   void SetUp() override {
     start("preprocessing_node", {});
-    start("front_end_node", {"_lidar_frame:=velo_link"});
+    start("front_end_node", {});
     start("localization_node", arguments_);
     player_.advertise({"points", "imu", "velocity", "gnss", "tf_static"});
     ASSERT_TRUE(wait_until(
@@ -176,7 +176,7 @@ TEST_F(LocalizationNode, GivesTheMatchedPointsWithTheirAgreement) {
   const Listener<sensor_msgs::PointCloud2> seen("current_scan"), matched("localized_scan");
   ASSERT_TRUE(wait_until([&] { return seen.connected() && matched.connected(); }));
   ros_border::SensorFrames frames;
-  const auto p_base_lidar = [&] { return frames.origin_of("velo_link", "base_link"); };
+  const auto p_base_lidar = [&] { return frames.origin_of(BagPlayer::kLidarFrame, "base_link"); };
   drive(40);
   ASSERT_TRUE(wait_until([&] { return !matched.messages.empty() && p_base_lidar().has_value(); }));
   const auto has_pose = [&](const auto& cloud) {

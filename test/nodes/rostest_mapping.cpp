@@ -65,10 +65,6 @@ class Mapping : public testing::Test {
     if (name == "back_end_node") {
       arguments.push_back("_session_directory:=" + (folder() / "sessions").string());
     }
-    // As mapping.launch has it.
-    for (const char* stage : {"front_end_node", "loop_closing_node", "back_end_node"}) {
-      if (name == stage) arguments.emplace_back("_lidar_frame:=velo_link");
-    }
     nodes_.erase(name);
     nodes_[name] = std::make_unique<NodeProcess>(name, arguments);
   }
@@ -164,6 +160,11 @@ class Mapping : public testing::Test {
     return output;
   }
 
+  static Eigen::Vector3d lidar_of(const fs::path& session) {
+    const auto found = session::Session::open(session, session::Session::Access::kRead);
+    return found.sensor_origin().value_or(Eigen::Vector3d::Zero());
+  }
+
   /// The largest distance between the nodes' key frames and those of map_bag from the same bag.
   static double difference(const KeyFramePosesMessage& message, const fs::path& output) {
     const auto session = session::Session::open(output, session::Session::Access::kRead);
@@ -242,6 +243,8 @@ TEST_F(Mapping, GivesAMapAndLosesNoScan) {
       << "clouds and poses came through messages bit for bit";
   const auto others = static_cast<double>(points_of(offline / "map" / "map.pcd").size());
   EXPECT_NEAR(static_cast<double>(live.size()), others, 0.001 * others);
+  EXPECT_EQ(lidar_of(folder() / "sessions"), lidar_of(offline)) << "from the frame of the clouds";
+  EXPECT_EQ(saved.message.find("moving objects"), std::string::npos) << saved.message;
 }
 
 // LiDAR alone did not work.
@@ -287,7 +290,7 @@ TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
   };
   EXPECT_TRUE(send_until(send, [&] {
     return sent >= 20 && nodes_.at("preprocessing_node")
-                             ->says("no transform from frame 'velo_link' to 'base_link'");
+                             ->says("no transform from frame 'roof_lidar' to 'base_link'");
   })) << output_of("preprocessing_node");
   EXPECT_TRUE(odometry_.messages.empty());
   OptimizeMap call;
@@ -355,6 +358,7 @@ TEST_F(LaunchedMapping, IsCompleteAfterEveryNodeWasKilledInMidDrive) {
   const std::string all = "of " + std::to_string(count) + " key frames";
   const SaveMap::Response saved = save();
   EXPECT_NE(saved.message.find(all), std::string::npos) << saved.message << ", not " << all;
+  EXPECT_EQ(saved.message.find("moving objects"), std::string::npos) << saved.message;
   EXPECT_LT(error_of(final_poses()), 0.5) << "the segments lie in one map";
 }
 

@@ -195,6 +195,13 @@ TEST(KeyFrameConversion, LeavesTheCloudNullWhereThereIsNone) {
   EXPECT_FALSE(from_message(to_message(key_frame, "run", "base_link")).doubtful);
 }
 
+TEST(KeyFrameConversion, KeepsThePlaceOfTheLidarAndThatItIsNotKnown) {
+  const Eigen::Vector3d p_base_lidar(0.5, -0.25, 1.73);
+  EXPECT_EQ(received(to_message(KeyFrame(), "run", "base_link", p_base_lidar)).p_base_lidar,
+            p_base_lidar);
+  EXPECT_FALSE(received(to_message(KeyFrame(), "run", "base_link")).p_base_lidar);
+}
+
 TEST(KeyFrameConversion, RefusesACovarianceThatIsNotFinite) {
   KeyFrameMessage message = to_message(KeyFrame(), "run", "base_link");
   message.motion_covariance[7] = std::numeric_limits<double>::infinity();

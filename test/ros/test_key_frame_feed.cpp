@@ -11,8 +11,8 @@ namespace {
 
 using Indices = std::vector<KeyFrameIndex>;
 
-RunKeyFrame make(KeyFrameIndex index, const std::string& run = "run") {
-  RunKeyFrame result{run, {}};
+ReceivedKeyFrame make(KeyFrameIndex index, const std::string& run = "run") {
+  ReceivedKeyFrame result{{run, {}}, {}};
   result.key_frame.index = index;
   return result;
 }
@@ -27,13 +27,13 @@ struct World {
   KeyFrameFeed feed{[this](const Indices& indices) {
                       asked.insert(asked.end(), indices.begin(), indices.end());
                       largest_request = std::max(largest_request, indices.size());
-                      std::vector<RunKeyFrame> found;
+                      std::vector<ReceivedKeyFrame> found;
                       for (const KeyFrameIndex i : indices) {
                         if (stored.count(i) > 0) found.push_back(make(i, stored_run));
                       }
                       return found;
                     },
-                    [this](const RunKeyFrame& k) { delivered.push_back(k.key_frame.index); }};
+                    [this](const ReceivedKeyFrame& k) { delivered.push_back(k.key_frame.index); }};
 
   void store_until(KeyFrameIndex end) {
     for (KeyFrameIndex i = 0; i < end; ++i) stored.insert(i);
@@ -171,8 +171,8 @@ TEST(KeyFrameFeed, NeverMixesRuns) {
 
 TEST(KeyFrameFeed, GoesOnWhereTheRunStandsAndGivesUpWhenTold) {
   Indices delivered;
-  KeyFrameFeed feed([](const Indices&) { return std::vector<RunKeyFrame>(); },
-                    [&](const RunKeyFrame& k) { delivered.push_back(k.key_frame.index); },
+  KeyFrameFeed feed([](const Indices&) { return std::vector<ReceivedKeyFrame>(); },
+                    [&](const ReceivedKeyFrame& k) { delivered.push_back(k.key_frame.index); },
                     [](const std::string&) { return KeyFrameIndex{25}; });
   for (const KeyFrameIndex i : {27U, 24U, 25U, 26U, 29U}) feed.push(make(i));
   EXPECT_EQ(delivered, (Indices{25, 26, 27}));

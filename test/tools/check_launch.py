@@ -62,6 +62,14 @@ class Launch(unittest.TestCase):
                           if node.type == 'static_transform_publisher']
             self.assertIn(['car', target], transforms)
 
+    def test_the_frame_of_the_lidar_is_that_of_the_clouds_unless_it_is_named(self):
+        for file in FILES:
+            frames = {name: parameter.value
+                      for name, parameter in self.load(file, 'lidar_frame:=roof').params.items()
+                      if name.endswith('lidar_frame')}
+            self.assertEqual(frames.get('/front_end_node/lidar_frame'), 'roof')
+            self.assertEqual([name for name in self.load(file).params if name.endswith('lidar_frame')], [])
+
     def back_end(self, *arguments):
         """The private parameters that are set beside the files."""
         parameters = self.load('mapping.launch', *arguments).params

@@ -48,7 +48,7 @@ class KeyFrameClient {
   /// back end or no run. Throws InputError for an inconsistent answer.
   std::optional<RunPoses> poses();
   /// These key frames with their clouds; empty if there is no back end.
-  std::vector<RunKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
+  std::vector<ReceivedKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
 
  private:
   std::optional<GetKeyFrames::Response> call(const std::vector<KeyFrameIndex>& indices,

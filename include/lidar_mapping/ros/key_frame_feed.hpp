@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,12 @@ struct RunIndices {
   bool whole = true;                   ///< there are no others
 };
 
+/// A key frame as its message has it.
+struct ReceivedKeyFrame : RunKeyFrame {
+  /// Place of the LiDAR on the vehicle, m in base_link; empty: not known.
+  std::optional<Eigen::Vector3d> p_base_lidar;
+};
+
 /// Delivers every key frame of a run once, in the order of the indices: those that arrive, and
 /// those that this node missed because it was started late, was restarted, or lost messages in
 /// transport. Missing key frames are requested; one that is not received before five newer ones
@@ -25,9 +32,10 @@ struct RunIndices {
 class KeyFrameFeed {
  public:
   /// Returns the known ones of the key frames with these indices; empty if there is no answer.
-  using Fetch = std::function<std::vector<RunKeyFrame>(const std::vector<KeyFrameIndex>& indices)>;
+  using Fetch =
+      std::function<std::vector<ReceivedKeyFrame>(const std::vector<KeyFrameIndex>& indices)>;
   /// Receives a delivered key frame.
-  using Deliver = std::function<void(const RunKeyFrame&)>;
+  using Deliver = std::function<void(const ReceivedKeyFrame&)>;
   /// Called when a run begins; returns the index of its first key frame that is to be delivered.
   using Begin = std::function<KeyFrameIndex(const std::string& run_id)>;
 
@@ -36,7 +44,7 @@ class KeyFrameFeed {
       Fetch fetch, Deliver deliver, Begin begin = [](const std::string&) { return 0U; });
 
   /// Adds a received key frame.
-  void push(RunKeyFrame key_frame);
+  void push(ReceivedKeyFrame key_frame);
   /// Fetches and delivers those of the existing key frames that were not yet delivered.
   void catch_up(const RunIndices& known);
   /// Whether catch_up() would skip key frames that may exist: `some`, which is not whole, leaves
@@ -65,7 +73,7 @@ class KeyFrameFeed {
   Begin begin_;
   std::string run_id_;
   KeyFrameIndex next_ = 0;
-  std::map<KeyFrameIndex, RunKeyFrame> pending_;
+  std::map<KeyFrameIndex, ReceivedKeyFrame> pending_;
   std::size_t missing_ = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <nav_msgs/Odometry.h>
@@ -9,6 +10,7 @@
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 
 // This package's own messages <-> the values of its stages. Both directions keep all fields; the
@@ -16,11 +18,14 @@
 // (indices that do not fit together, covariances that are not finite) throw InputError.
 namespace lidar_mapping::ros_border {
 
-/// A key frame with its cloud, if it has one.
+/// A key frame with its cloud, if it has one, and the place of the LiDAR (m, in `base_frame`).
 KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
-                           const std::string& base_frame);
+                           const std::string& base_frame,
+                           const std::optional<Eigen::Vector3d>& p_base_lidar = std::nullopt);
 /// A key frame; its cloud is null where the message has none.
 KeyFrame from_message(const KeyFrameMessage& message);
+/// All that the message has.
+ReceivedKeyFrame received(const KeyFrameMessage& message);
 
 /// Poses of key frames in `map_frame`.
 KeyFramePosesMessage to_message(const KeyFramePoses& poses, const std::string& run_id,

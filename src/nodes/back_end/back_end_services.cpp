@@ -66,8 +66,9 @@ GetKeyFrames::Response BackEndNode::key_frames_without_clouds(
     const std::vector<KeyFrameIndex>& wanted) {
   GetKeyFrames::Response response;
   if (!run_) return response;
-  const auto give = [&](const KeyFrame& key_frame) {
-    response.key_frames.push_back(to_message(key_frame, run_id_, config_.node.base_frame));
+  const auto give = [&, p_base_lidar = run_->session().sensor_origin()](const KeyFrame& key_frame) {
+    response.key_frames.push_back(
+        to_message(key_frame, run_id_, config_.node.base_frame, p_base_lidar));
   };
   if (wanted.empty()) {
     for (const KeyFrame& key_frame : run_->session().key_frames()) give(key_frame);

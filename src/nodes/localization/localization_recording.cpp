@@ -39,10 +39,8 @@ bool is_found(const pipeline::LocalizedDrive& drive) {
 /// only burden the network.
 void LocalizationNode::subscribe_drive() {
   const int capacity = config_.node.queue_size;
-  subscribers_.push_back(
-      subscribe_numbered<KeyFrameMessage>(context_, "key_frame", capacity, [this](const auto& m) {
-        key_frames_.push({m->run_id, from_message(*m)});
-      }));
+  subscribers_.push_back(subscribe_numbered<KeyFrameMessage>(
+      context_, "key_frame", capacity, [this](const auto& m) { key_frames_.push(received(*m)); }));
   subscribers_.push_back(subscribe_numbered<FrontEndStatusMessage>(
       context_, "front_end_status", capacity, [this](const auto& m) {
         if (pipeline::DriveRecorder* const recorder = present_recorder())

@@ -2,6 +2,7 @@
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -10,6 +11,10 @@
 namespace lidar_mapping::ros_border {
 
 namespace {
+
+/// Of a LiDAR, in a message, which has no empty fields.
+const Eigen::Vector3d kUnknownPlace =
+    Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 
 std::vector<geometry_msgs::Vector3> to_messages(const std::vector<Eigen::Vector3d>& vectors) {
   std::vector<geometry_msgs::Vector3> messages;
@@ -41,7 +46,8 @@ void copy_figures(const From& from, To& to) {
 }  // namespace
 
 KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
-                           const std::string& base_frame) {
+                           const std::string& base_frame,
+                           const std::optional<Eigen::Vector3d>& p_base_lidar) {
   KeyFrameMessage message;
   message.header = header_of(key_frame.stamp, base_frame);
   message.run_id = run_id;
@@ -51,6 +57,7 @@ KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
   message.motion_covariance = to_array(key_frame.motion_covariance);
   message.degenerate_directions = to_messages(key_frame.degenerate_directions);
   message.doubtful = key_frame.doubtful;
+  message.lidar_origin = to_message(p_base_lidar.value_or(kUnknownPlace));
   if (key_frame.cloud) message.cloud = to_message(*key_frame.cloud, key_frame.stamp, base_frame);
   return message;
 }
@@ -70,6 +77,13 @@ KeyFrame from_message(const KeyFrameMessage& message) {
     key_frame.cloud = std::make_shared<PointCloud>(from_message(message.cloud));
   }
   return key_frame;
+}
+
+ReceivedKeyFrame received(const KeyFrameMessage& message) {
+  ReceivedKeyFrame result{{message.run_id, from_message(message)}, std::nullopt};
+  const Eigen::Vector3d origin = from_message(message.lidar_origin);
+  if (origin.allFinite()) result.p_base_lidar = origin;
+  return result;
 }
 
 KeyFramePosesMessage to_message(const KeyFramePoses& poses, const std::string& run_id,

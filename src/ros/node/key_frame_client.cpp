@@ -78,13 +78,13 @@ std::optional<RunPoses> KeyFrameClient::poses() {
   return RunPoses{response->poses.run_id, from_message(response->poses)};
 }
 
-std::vector<RunKeyFrame> KeyFrameClient::fetch(const std::vector<KeyFrameIndex>& indices) {
-  std::vector<RunKeyFrame> result;
+std::vector<ReceivedKeyFrame> KeyFrameClient::fetch(const std::vector<KeyFrameIndex>& indices) {
+  std::vector<ReceivedKeyFrame> result;
   if (indices.empty()) return result;  // an empty list would mean all
   const auto response = call(indices, true);
   if (!response) return result;
   for (const KeyFrameMessage& message : response->key_frames) {
-    result.push_back({message.run_id, from_message(message)});
+    result.push_back(received(message));
   }
   return result;
 }
@@ -106,9 +106,8 @@ KeyFrameSubscription::KeyFrameSubscription(NodeContext& context, int capacity,
     : client_(context.node),
       feed_([this](const auto& indices) { return client_.fetch(indices); }, std::move(deliver)) {
   context.worker.post(context.worker.add_channel("catch_up", 1), [this] { catch_up(); });
-  subscriber_ = subscribe<KeyFrameMessage>(context, "key_frame", capacity, [this](const auto& m) {
-    feed_.push({m->run_id, from_message(*m)});
-  });
+  subscriber_ = subscribe<KeyFrameMessage>(context, "key_frame", capacity,
+                                           [this](const auto& m) { feed_.push(received(*m)); });
 }
 
 void KeyFrameSubscription::catch_up() {

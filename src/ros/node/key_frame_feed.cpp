@@ -29,7 +29,7 @@ std::vector<std::vector<KeyFrameIndex>> chunks_of(const std::vector<KeyFrameInde
 KeyFrameFeed::KeyFrameFeed(Fetch fetch, Deliver deliver, Begin begin)
     : fetch_(std::move(fetch)), deliver_(std::move(deliver)), begin_(std::move(begin)) {}
 
-void KeyFrameFeed::push(RunKeyFrame key_frame) {
+void KeyFrameFeed::push(ReceivedKeyFrame key_frame) {
   if (key_frame.run_id != run_id_) begin_run(key_frame.run_id);
   const KeyFrameIndex index = key_frame.key_frame.index;
   if (index < next_) return;
@@ -89,7 +89,7 @@ void KeyFrameFeed::fetch_gap() {
 }
 
 void KeyFrameFeed::fetch(const std::vector<KeyFrameIndex>& indices) {
-  for (RunKeyFrame& found : fetch_(indices)) {
+  for (ReceivedKeyFrame& found : fetch_(indices)) {
     const KeyFrameIndex index = found.key_frame.index;
     if (found.run_id == run_id_ && index >= next_) pending_.emplace(index, std::move(found));
   }
