@@ -329,7 +329,6 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   next_index_ = next;
   store_datum();
   const std::string folder = run_->session().directory().string();
-  context_.node.setParam("session_folder", folder);
   context_.node.setParam(kRunSession, folder);
   context_.diagnostics.set("session", folder);
   ROS_INFO_STREAM((known > 0 ? "continuing session " : "session ") << folder);

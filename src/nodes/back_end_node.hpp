@@ -33,7 +33,7 @@ namespace lidar_mapping::ros_border {
 /// that move), optimized_odom, graph_verdict (of all loops to a new subscriber, then of those that
 /// change), tf map -> odom.
 /// Services: optimize_map, get_key_frames, dump_graph, load_graph. The session's folder stands in
-/// the parameter session_folder beside the node.
+/// the parameter kRunSession beside the node while it runs.
 class BackEndNode {
  public:
   using Config = BackEndNodeConfig;

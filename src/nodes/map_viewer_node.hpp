@@ -50,6 +50,7 @@ class MapViewerNode {
   /// What a map is made of.
   struct MapInput {
     std::shared_ptr<Run> run;
+    std::string run_id;
     KeyFramePoses poses;
     std::optional<GeodeticDatum> datum;
   };
@@ -72,8 +73,9 @@ class MapViewerNode {
   void fetch_newest_poses();
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   SaveMap::Response save(const MapInput& input, const SaveMap::Request& request);
-  void complete(map::ProductOptions& options, const KeyFramePoses& poses) const;
-  std::filesystem::path session_map() const;
+  void complete(map::ProductOptions& options, const MapInput& input) const;
+  std::filesystem::path session_map(const std::string& run_id) const;
+  std::optional<session::Session> session_of(const std::string& run_id) const;
 
   Config config_;
   NodeContext& context_;

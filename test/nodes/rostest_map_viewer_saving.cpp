@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 #include "file_content.hpp"
@@ -105,13 +106,14 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
   // A session that is gone on with keeps the datum of its first drive.
   {
     auto first = session::Session::create_in(folder_.path() / "session");
+    first.set_run_id("run");
     first.set_datum({10.0, 20.0, 30.0});
     first.set_poses(KeyFramePoses{}, {}, true);
   }
-  ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
+  ros::NodeHandle().setParam(ros_border::kRunSession, (folder_.path() / "session").string());
   call.request.destination = (folder_.path() / "first.pcd").string();
   answer = save(call);
-  ros::NodeHandle().deleteParam("session_folder");
+  ros::NodeHandle().deleteParam(ros_border::kRunSession);
   EXPECT_TRUE(answer.success) << answer.message;
   const std::string yaml = content_of(folder_.path() / "first.yaml");
   EXPECT_NE(yaml.find("latitude: 10.0"), std::string::npos) << yaml;
@@ -122,12 +124,40 @@ TEST_F(MapViewerNode, SaysWhyItSavesWithoutTheSession) {
   store(3);
   const NodeProcess node("map_viewer_node");
   ASSERT_TRUE(shows(3)) << node.output();
-  ros::NodeHandle().setParam("session_folder", (folder_.path() / "nothing").string());
+  ros::NodeHandle().setParam(ros_border::kRunSession, (folder_.path() / "nothing").string());
   const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
-  ros::NodeHandle().deleteParam("session_folder");
+  ros::NodeHandle().deleteParam(ros_border::kRunSession);
   EXPECT_TRUE(answer.success) << answer.message;
   EXPECT_TRUE(wait_until([&] {
     return node.says("saved without what the session knows: there is no session in");
+  })) << node.output();
+}
+
+// A master that goes on keeps the parameters of earlier nodes: their map was overwritten.
+TEST_F(MapViewerNode, LeavesTheSessionOfAnotherRunAlone) {
+  store(3);
+  const NodeProcess node("map_viewer_node");
+  ASSERT_TRUE(shows(3)) << node.output();
+  const fs::path session = folder_.path() / "session";
+  session::Session::create_in(session).set_run_id("yesterday");
+  SaveMap call;
+  call.request.formats = {"pcd"};
+  ros::NodeHandle().setParam("session_folder", session.string());
+  const SaveMap::Response stale = save(call);
+  ros::NodeHandle().deleteParam("session_folder");
+  EXPECT_FALSE(stale.success);
+  EXPECT_NE(stale.message.find("no session is known"), std::string::npos) << stale.message;
+  ros::NodeHandle().setParam(ros_border::kRunSession, session.string());
+  const SaveMap::Response refused = save(call);
+  const SaveMap::Response elsewhere = save(folder_.path() / "map", {"pcd"});
+  ros::NodeHandle().deleteParam(ros_border::kRunSession);
+  EXPECT_FALSE(refused.success);
+  EXPECT_NE(refused.message.find("is that of run 'yesterday'"), std::string::npos)
+      << refused.message;
+  EXPECT_FALSE(fs::exists(session / "map"));
+  EXPECT_TRUE(elsewhere.success) << elsewhere.message;
+  EXPECT_TRUE(wait_until([&] {
+    return node.says("saved without what the session knows: the session " + session.string());
   })) << node.output();
 }
 
@@ -140,11 +170,15 @@ TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
   const SaveMap::Response unknown = save(folder_.path() / "unknown", {"pcd"});
   EXPECT_NE(unknown.message.find("moving objects"), std::string::npos) << unknown.message;
   EXPECT_GT(points_of_box(folder_.path() / "unknown/map.pcd"), 10);
-  session::Session::create_in(folder_.path() / "session").set_sensor_origin({0.0, 0.0, 1.8});
-  ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
+  {
+    auto session = session::Session::create_in(folder_.path() / "session");
+    session.set_run_id("run");
+    session.set_sensor_origin({0.0, 0.0, 1.8});
+  }
+  ros::NodeHandle().setParam(ros_border::kRunSession, (folder_.path() / "session").string());
   const SaveMap::Response removed = save(folder_.path() / "removed", {"pcd"});
   const SaveMap::Response kept = save(folder_.path() / "kept", {"pcd"}, true);
-  ros::NodeHandle().deleteParam("session_folder");
+  ros::NodeHandle().deleteParam(ros_border::kRunSession);
   EXPECT_TRUE(removed.success) << removed.message << node.output();
   EXPECT_EQ(removed.message.find("moving objects"), std::string::npos) << removed.message;
   EXPECT_EQ(points_of_box(folder_.path() / "removed/map.pcd"), 0);
@@ -212,7 +246,7 @@ TEST_F(MapViewerNode, SavesEveryFormat) {
 
 // Each thing that cannot be done has its own message.
 TEST_F(MapViewerNode, SaysWhyItCannotSave) {
-  ros::param::del("session_folder");
+  ros::param::del(ros_border::kRunSession);
   const NodeProcess node("map_viewer_node");
   const SaveMap::Response empty = save(folder_.path());
   EXPECT_FALSE(empty.success);

@@ -6,6 +6,7 @@
 #include "lidar_mapping/pipeline/session_marks.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/session/map_datum.hpp"
 
 #include "map_viewer/map_order.hpp"
@@ -81,7 +82,7 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
     const MapInput input = result_in(context_.worker, requests_, [this] {
       fetch_newest_poses();
       if (!run_) throw InputError("there are no key frames yet; nothing to save");
-      return MapInput{run_, view_.track.poses(), session_frame_.datum()};
+      return MapInput{run_, run_id_, view_.track.poses(), session_frame_.datum()};
     });
     return result_in(builder_, saves_, [this, input, request] { return save(input, request); });
   });
@@ -90,8 +91,8 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
 SaveMap::Response MapViewerNode::save(const MapInput& input, const SaveMap::Request& request) {
   MapOrder order = map_order(request);
   order.options.datum = input.datum;
-  complete(order.options, input.poses);
-  if (order.directory.empty()) order.directory = session_map();
+  complete(order.options, input);
+  if (order.directory.empty()) order.directory = session_map(input.run_id);
   const map::Products products = map::write_products(
       input.poses, input.run->clouds, with_resolution(config_.stage, request.resolution),
       order.options, order.directory);
@@ -113,32 +114,40 @@ SaveMap::Response MapViewerNode::save(const MapInput& input, const SaveMap::Requ
 /// Adds sensor origin, datum and marks from the session. Its datum has priority over that of this
 /// node, because a resumed session keeps the datum of its first drive, and because it knows whether
 /// the map was turned to East-North-Up.
-void MapViewerNode::complete(map::ProductOptions& options, const KeyFramePoses& poses) const {
+void MapViewerNode::complete(map::ProductOptions& options, const MapInput& input) const {
   options.frame = config_.node.map_frame;
-  std::string folder;
-  if (!context_.node.getParam("session_folder", folder)) return;
   try {
-    const auto session = session::Session::open(folder, session::Session::Access::kRead);
-    options.p_base_sensor = session.sensor_origin();
-    if (session.datum() || !session.poses_in_enu().value_or(true)) {
-      options.datum = session::map_datum(session);
+    const auto session = session_of(input.run_id);
+    if (!session) return;
+    options.p_base_sensor = session->sensor_origin();
+    if (session->datum() || !session->poses_in_enu().value_or(true)) {
+      options.datum = session::map_datum(*session);
     }
-    options.marks = [folder, &poses] {
+    options.marks = [folder = session->directory(), &poses = input.poses] {
       return pipeline::session_marks(
           session::Session::open(folder, session::Session::Access::kRead), poses);
     };
-  } catch (const FileError& error) {
+  } catch (const Error& error) {
     // As where the back end runs on another machine.
     ROS_WARN_STREAM("the map is saved without what the session knows: " << error.what());
   }
 }
 
-std::filesystem::path MapViewerNode::session_map() const {
-  std::string session;
-  if (context_.node.getParam("session_folder", session)) {
-    return std::filesystem::path(session) / "map";
-  }
+std::filesystem::path MapViewerNode::session_map(const std::string& run_id) const {
+  if (const auto session = session_of(run_id)) return session->directory() / "map";
   throw InputError("no session is known, as there is no back end; name a directory");
+}
+
+/// The session into which the back end writes the run; empty if there is none. Throws FileError if
+/// it cannot be read, and InputError if it is that of another run.
+std::optional<session::Session> MapViewerNode::session_of(const std::string& run_id) const {
+  std::string folder;
+  if (!context_.node.getParam(kRunSession, folder)) return std::nullopt;
+  auto session = session::Session::open(folder, session::Session::Access::kRead);
+  if (session.run_id() == run_id) return session;
+  throw InputError("the session " + folder + " is that of run '" + session.run_id() +
+                   "', not of run '" + run_id +
+                   "': the map can be saved only without it, to a directory that is named");
 }
 
 }  // namespace lidar_mapping::ros_border
