@@ -6,6 +6,7 @@ check_launch.py: without a ROS master; the working folder is test/
 """
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import sys
@@ -61,6 +62,15 @@ class Launch(unittest.TestCase):
             transforms = [node.args.split()[-2:] for node in self.load(file, 'base_frame:=car').nodes
                           if node.type == 'static_transform_publisher']
             self.assertIn(['car', target], transforms)
+
+    def test_rviz_listens_in_the_namespace_of_the_nodes(self):
+        for file in FILES:
+            (rviz,) = [node for node in self.load(file).nodes if node.type == 'rviz']
+            words = shlex.split(rviz.args)
+            text = pathlib.Path(words[words.index('-d') + 1]).read_text()
+            topics = re.findall(r'\bTopic: (/\S+)', text)
+            self.assertIn('/initialpose', topics)
+            self.assertEqual(sorted(rviz.remap_args), sorted([topic, topic[1:]] for topic in topics))
 
     def test_the_frame_of_the_lidar_is_that_of_the_clouds_unless_it_is_named(self):
         for file in FILES:
