@@ -11,6 +11,7 @@ set(reader_sources
   ${readers_root}/src/common/pcd_header.cpp
   ${readers_root}/src/common/trajectory.cpp
   ${readers_root}/src/config/load.cpp
+  ${readers_root}/src/config/overlay.cpp
   ${readers_root}/src/config/schema.cpp
   ${readers_root}/src/config/value.cpp
   ${readers_root}/src/pipeline/doubt/doubt_file.cpp

@@ -145,7 +145,7 @@ TEST(Launch, FindsTheHomeFolder) {
   EXPECT_EQ(launch.wait(), 0) << launch.output();
   for (const char* mark :
        {"/preprocessing_node/preprocessing_mark: 7", "/map_viewer_node/map_mark: 7",
-        "/overlay_mark: 7", "/map_viewer_node/map_cloud_update_interval: 3"}) {
+        "/overlays/sensor/overlay_mark: 7", "/map_viewer_node/map_cloud_update_interval: 3"}) {
     EXPECT_TRUE(launch.says(mark)) << mark << "\n" << launch.output();
   }
 }
@@ -194,9 +194,11 @@ TEST(Launch, TakesPresetsByNameAndByPath) {
   const TemporaryFolder home;
   std::ofstream(home.path() / "hall.yaml") << "front_end: {key_frame_distance: 0.75}\n";
   const std::string by_name = parameters_of({"preset:=indoor"}, home.path());
-  EXPECT_NE(by_name.find("/front_end/key_frame_distance: 0.5"), std::string::npos) << by_name;
+  EXPECT_NE(by_name.find("/overlays/preset/front_end/key_frame_distance: 0.5"), std::string::npos)
+      << by_name;
   const std::string by_path = parameters_of({"preset:=~/hall.yaml"}, home.path());
-  EXPECT_NE(by_path.find("/front_end/key_frame_distance: 0.75"), std::string::npos) << by_path;
+  EXPECT_NE(by_path.find("/overlays/preset/front_end/key_frame_distance: 0.75"), std::string::npos)
+      << by_path;
 }
 
 TEST(Launch, RemapsTheTopicOfAnotherOdometry) {
@@ -215,15 +217,45 @@ TEST(Launch, RemapsTheTopicOfOtherLidars) {
   }
 }
 
-TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
-  ros::param::set("/front_end/key_frame_distance", 7.5);
+/// Overlays on the server for as long as this lives.
+struct Overlays {
+  Overlays() = default;
+  Overlays(const Overlays&) = delete;
+  Overlays& operator=(const Overlays&) = delete;
+  ~Overlays() {
+    ros::param::del("/overlays");
+    ros::param::del("/nodes");
+  }
+};
+
+TEST(Overlay, ThatOfThePlaceWinsOverThatOfTheSensorAndThatOverPrivateParameters) {
+  const Overlays overlays;
+  ros::param::set("/overlays/sensor/front_end/key_frame_distance", 7.5);
+  ros::param::set("/overlays/sensor/front_end/key_frame_angle", 0.2);
+  ros::param::set("/overlays/preset/front_end/key_frame_angle", 0.4);
   ros::param::set("/nodes/odom_frame", "odometry");
+  ros::param::set("/nodes/map_frame", "world");
+  ros::param::set("/overlays/sensor/nodes/map_frame", "site");
   NodeProcess node("front_end_node", {"--print-config", "_key_frame_distance:=3.0"});
   EXPECT_EQ(node.wait(), 0);
-  EXPECT_TRUE(node.says("key_frame_distance: 7.5")) << node.output();
-  EXPECT_TRUE(node.says("odom_frame: \"odometry\"")) << node.output();
-  ros::param::del("/front_end");
-  ros::param::del("/nodes");
+  for (const char* line : {"key_frame_distance: 7.5", "key_frame_angle: 0.4",
+                           "odom_frame: \"odometry\"", "map_frame: \"site\""}) {
+    EXPECT_TRUE(node.says(line)) << line << "\n" << node.output();
+  }
+}
+
+/// It lay on the server without an effect.
+TEST(Overlay, WithAGroupOfNoStageEndsEveryNode) {
+  const Overlays overlays;
+  ros::param::set("/overlays/sensor/preprocesing/scan_period", 0.05);
+  for (const char* name : {"preprocessing_node", "map_viewer_node", "localization_node"}) {
+    NodeProcess node(name);
+    EXPECT_EQ(node.wait(), 1) << node.output();
+    EXPECT_TRUE(
+        node.says("/overlays/sensor: no stage has the name 'preprocesing'; an overlay has "
+                  "groups of the names nodes, back_end"))
+        << node.output();
+  }
 }
 
 TEST(EffectiveConfiguration, IsLeftOnTheParameterServer) {

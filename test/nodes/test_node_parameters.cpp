@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include "lidar_mapping/preprocessing/floor_detection_config.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/parameters.hpp"
 
 #include "back_end_node_config.hpp"
 #include "map_viewer_node_config.hpp"
@@ -40,6 +42,12 @@ TEST(NodeParameters, AreAcceptedByTheCommands) {
   expect_commands_accept<LidarNodeConfig<loop_closing::LoopClosingConfig>>();
   expect_commands_accept<BackEndNodeConfig>();
   expect_commands_accept<MapViewerNodeConfig>();
+}
+
+TEST(Overlays, HaveTheSameGroupsForNodesAndCommands) {
+  std::vector<std::string> groups{"nodes"};
+  for (const auto& [stage, text] : tools::read_stage_files({}).texts) groups.push_back(stage);
+  EXPECT_EQ(overlay_groups(), groups);
 }
 
 }  // namespace

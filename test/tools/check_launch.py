@@ -72,6 +72,10 @@ class Launch(unittest.TestCase):
             self.assertIn('/initialpose', topics)
             self.assertEqual(sorted(rviz.remap_args), sorted([topic, topic[1:]] for topic in topics))
 
+    def test_overlays_of_an_earlier_launch_are_cleared(self):
+        for file in FILES:
+            self.assertIn('/overlays/', self.load(file).clear_params)
+
     def test_the_frame_of_the_lidar_is_that_of_the_clouds_unless_it_is_named(self):
         for file in FILES:
             frames = {name: parameter.value

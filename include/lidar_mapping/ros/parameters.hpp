@@ -16,9 +16,14 @@ namespace lidar_mapping::ros_border {
 /// takes for words, become numbers again. Throws ConfigError for binary data and dates.
 config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& value);
 
+/// The groups that an overlay may have: those of the stages, and `nodes` for what all nodes share.
+std::vector<std::string> overlay_groups();
+
 /// The parameters of a stage on the parameter server, read once, in growing precedence: the group
-/// `nodes` beside the node with what all nodes share, the node's private parameters, and the group
-/// of the stage's name beside the node, into which launch files load sensor overlays.
+/// `nodes` beside the node with what all nodes share, and that of the overlays; the node's private
+/// parameters, and the group of the stage in the overlays. Launch files load these into the groups
+/// overlays/sensor and overlays/preset beside the node; the latter has priority. Throws ConfigError
+/// if an overlay has a group that no stage has.
 std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
                                               const ros::NodeHandle& private_node,
                                               const std::string& stage);

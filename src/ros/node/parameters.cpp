@@ -6,11 +6,14 @@
 #include <regex>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/overlay.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
 
+/// The groups into which launch files load overlays, in growing priority.
+const std::vector<std::string> kOverlays = {"overlays/sensor", "overlays/preset"};
 const char* const kEffective = "effective_configuration";
 
 config::Value from_word(const std::string& word) {
@@ -68,10 +71,25 @@ config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& constant) {
   }
 }
 
+// The commands know the stages themselves; a test (test_node_parameters.cpp) compares.
+std::vector<std::string> overlay_groups() {
+  return {"nodes",        "back_end", "floor_detection", "front_end",
+          "loop_closing", "map",      "preprocessing"};
+}
+
 std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
                                               const ros::NodeHandle& private_node,
                                               const std::string& stage) {
-  return {source_at(node, "nodes"), source_at(private_node, ""), source_at(node, stage)};
+  std::vector<config::Source> of_nodes{source_at(node, "nodes")};
+  std::vector<config::Source> of_stage{source_at(private_node, "")};
+  for (const std::string& name : kOverlays) {
+    const config::Source overlay = source_at(node, name);
+    config::check_groups(overlay, overlay_groups());
+    if (auto nodes = config::part_of(overlay, "nodes")) of_nodes.push_back(std::move(*nodes));
+    if (auto values = config::part_of(overlay, stage)) of_stage.push_back(std::move(*values));
+  }
+  of_nodes.insert(of_nodes.end(), of_stage.begin(), of_stage.end());
+  return of_nodes;
 }
 
 void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,

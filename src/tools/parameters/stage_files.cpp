@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/config/overlay.hpp"
 
 #include "parameters/config_path.hpp"
 
@@ -85,6 +86,8 @@ class StageReader {
     std::vector<std::string> names;
     for (const auto& [stage, text] : result.texts) names.push_back(stage);
     const std::string stages = joined(names);
+    names.insert(names.begin(), "nodes");
+    for (const config::Source& overlay : overlays_) config::check_groups(overlay, names);
     if (!config_.empty() && !found_file_) {
       throw FileError("there is no <stage>.yaml in " + config_ + "; the stages are " + stages);
     }
@@ -93,7 +96,6 @@ class StageReader {
       throw ConfigError("--parameter: no stage has the name '" + stage + "'; the stages are " +
                         stages);
     }
-    for (const config::Source& overlay : overlays_) check_groups(overlay, "nodes, " + stages);
   }
 
   StageFiles result;
@@ -102,16 +104,6 @@ class StageReader {
   void add_overlay(const std::string& kind, const std::string& name_or_path) {
     if (name_or_path.empty()) return;
     overlays_.push_back(config::read_yaml_file(overlay_file(kind, name_or_path)));
-  }
-
-  void check_groups(const config::Source& overlay, const std::string& stages) const {
-    const auto* parts = std::get_if<config::Value::Map>(&overlay.values.data);
-    if (parts == nullptr) return;
-    for (const auto& [name, part] : *parts) {
-      if (name == "nodes" || result.texts.count(name) > 0) continue;
-      throw ConfigError(overlay.origin + ": no stage has the name '" + name +
-                        "'; an overlay has groups of the names " + stages);
-    }
   }
 
   /// "stage/name: value"
@@ -132,9 +124,7 @@ class StageReader {
   std::vector<config::Source> overlay_parts(const std::string& stage) const {
     std::vector<config::Source> found;
     for (const config::Source& overlay : overlays_) {
-      const auto* parts = std::get_if<config::Value::Map>(&overlay.values.data);
-      if (parts == nullptr || parts->count(stage) == 0) continue;
-      found.push_back({overlay.origin, parts->at(stage)});
+      if (auto part = config::part_of(overlay, stage)) found.push_back(std::move(*part));
     }
     return found;
   }
