@@ -72,6 +72,27 @@ class Launch(unittest.TestCase):
             self.assertIn('/initialpose', topics)
             self.assertEqual(sorted(rviz.remap_args), sorted([topic, topic[1:]] for topic in topics))
 
+    def overlays(self, file, *arguments):
+        """What stands in the group of the overlays, and that nothing stands beside it."""
+        beside = set(self.load(file).params)
+        parameters = self.load(file, *arguments).params
+        self.assertEqual([name for name in set(parameters) - beside if not name.startswith('/overlays/')], [])
+        return {name[len('/overlays/'):]: parameter.value for name, parameter in parameters.items()
+                if name.startswith('/overlays/')}
+
+    def test_overlays_are_names_or_paths_from_the_folder_of_the_user(self):
+        (self.folder / 'overlays').mkdir(exist_ok=True)
+        for path in ('car_park.yaml', 'overlays/car_park.yaml'):
+            (self.folder / path).write_text('preprocessing: {scan_period: 0.05}\n')
+        for file in FILES:
+            self.assertEqual(self.overlays(file), {})
+            self.assertIn('sensor/preprocessing/distance_near_thresh', self.overlays(file, 'sensor:=vlp16'))
+            self.assertIn('preset/front_end/voxel_size', self.overlays(file, 'preset:=indoor'))
+            for kind in ('sensor', 'preset'):
+                for path in ('car_park.yaml', 'overlays/car_park.yaml', self.folder / 'car_park.yaml'):
+                    self.assertEqual(self.overlays(file, f'{kind}:={path}'),
+                                     {f'{kind}/preprocessing/scan_period': 0.05})
+
     def test_overlays_of_an_earlier_launch_are_cleared(self):
         for file in FILES:
             self.assertIn('/overlays/', self.load(file).clear_params)
