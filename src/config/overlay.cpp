@@ -24,4 +24,11 @@ std::optional<Source> part_of(const Source& overlay, const std::string& name) {
   return Source{overlay.origin, groups->at(name)};
 }
 
+std::string replaced_value_line(const std::string& name, const std::string& value,
+                                const std::string& origin, const std::string& earlier,
+                                const std::string& earlier_origin) {
+  return name + ": " + value + " of " + origin + " is in force, not " + earlier + " of " +
+         earlier_origin;
+}
+
 }  // namespace lidar_mapping::config

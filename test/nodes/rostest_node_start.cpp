@@ -258,6 +258,20 @@ TEST(Overlay, WithAGroupOfNoStageEndsEveryNode) {
   }
 }
 
+/// What the user had written into the file of the stage went unnoticed.
+TEST(Overlay, ThatReplacesAValueOfTheUserIsSaid) {
+  const Overlays overlays;
+  ros::param::set("/overlays/sensor/front_end/key_frame_distance", 7.5);
+  ros::param::set("/overlays/sensor/front_end/key_frame_angle", 0.2);
+  NodeProcess node("front_end_node", {"--print-config", "_key_frame_distance:=3.0"});
+  EXPECT_EQ(node.wait(), 0);
+  EXPECT_TRUE(
+      node.says("key_frame_distance: 7.5 of /overlays/sensor is in force, not 3.0 of "
+                "/front_end_node"))
+      << node.output();
+  EXPECT_FALSE(node.says("key_frame_angle: 0.2 of")) << "nobody has set it before";
+}
+
 TEST(EffectiveConfiguration, IsLeftOnTheParameterServer) {
   ros::param::del("/effective_configuration");
   NodeProcess node("front_end_node", {"_key_frame_distance:=3.0"});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "back_end_node_config.hpp"
 #include "map_viewer_node_config.hpp"
 #include "parameters/stage_files.hpp"
+#include "temporary_folder.hpp"
 
 namespace lidar_mapping::ros_border {
 namespace {
@@ -48,6 +50,26 @@ TEST(Overlays, HaveTheSameGroupsForNodesAndCommands) {
   std::vector<std::string> groups{"nodes"};
   for (const auto& [stage, text] : tools::read_stage_files({}).texts) groups.push_back(stage);
   EXPECT_EQ(overlay_groups(), groups);
+}
+
+/// A copy of the shipped files with values for a sensor, as the manual advises.
+TEST(Overlays, ThatReplaceAValueOfTheUserAreNamedWithBothOrigins) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "preprocessing.yaml")
+      << "scan_stamp: START\nscan_period: 0.05\ndistance_near_thresh: 0.3\n";
+  const std::string file = folder.path() / "preprocessing.yaml";
+  const std::string overlay = folder.path() / "mine.yaml";
+  std::ofstream(overlay) << "preprocessing: {scan_stamp: MIDDLE, scan_period: 0.1, "
+                            "distance_near_thresh: 0.3}\n";
+  const tools::StageFiles files =
+      tools::read_stage_files({folder.path(), overlay, "", {"preprocessing/scan_stamp: END"}});
+  EXPECT_EQ(files.replaced,
+            std::vector<std::string>{"preprocessing/scan_period: 0.1 of " + overlay +
+                                     " is in force, not 0.05 of " + file});
+  EXPECT_EQ(
+      tools::read_stage_files({folder.path(), "vlp16", "", {}}).pipeline.preprocessing.scan_period,
+      0.05)
+      << "an overlay of the package has only what differs from the defaults";
 }
 
 }  // namespace

@@ -6,8 +6,10 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/config/overlay.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 #include "lidar_mapping/map/map_config.hpp"
@@ -77,6 +79,38 @@ TEST(Overlays, OfThePackageAreReadWhole) {
   }
   for (const std::string& preset : overlays_in("presets")) {
     EXPECT_NO_THROW(read_stage_files({"", "", preset, {}})) << preset;
+  }
+}
+
+/// The values of an overlay that are the defaults, of all stages.
+template <typename... Stages>
+std::vector<std::string> idle_values(const config::Source& overlay) {
+  std::vector<std::string> idle;
+  const auto add = [&](const auto& schema, auto config) {
+    const auto part = config::part_of(overlay, schema.stage());
+    if (!part) return;
+    for (const auto& [key, value] : config::flattened(part->values)) {
+      for (const auto& field : schema.fields()) {
+        if (field.description.name != key || !field.read(config, value).empty()) continue;
+        if (field.print(config) == field.description.default_value) idle.push_back(key);
+      }
+    }
+  };
+  (add(Stages::schema(), Stages()), ...);
+  return idle;
+}
+
+// A value that is the default anyway took the place of the user's own in silence.
+TEST(Overlays, OfThePackageHaveOnlyWhatDiffersFromTheDefaults) {
+  for (const char* folder : {"sensors", "presets"}) {
+    for (const std::string& name : overlays_in(folder)) {
+      const std::string path = "../config/" + std::string(folder) + "/" + name + ".yaml";
+      const std::vector<std::string> idle =
+          idle_values<preprocessing::PreprocessingConfig, preprocessing::FloorDetectionConfig,
+                      front_end::FrontEndConfig, loop_closing::LoopClosingConfig,
+                      back_end::BackEndConfig, map::MapConfig>(config::read_yaml_file(path));
+      EXPECT_TRUE(idle.empty()) << path << ": " << joined(idle);
+    }
   }
 }
 

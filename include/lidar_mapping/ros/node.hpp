@@ -12,6 +12,7 @@
 #include <ros/ros.h>
 
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/config/overlay.hpp"
 #include "lidar_mapping/ros/diagnostics.hpp"
 #include "lidar_mapping/ros/parameters.hpp"
 #include "lidar_mapping/ros/worker.hpp"
@@ -130,8 +131,9 @@ int run_node(int argc, char** argv) {
   const NodeOptions options = start_ros(argc, argv, name, stage);
   if (options.exit_status) return *options.exit_status;
   const auto make = [&](NodeContext& context) -> std::shared_ptr<void> {
-    const auto config =
-        config::load<Config>(parameter_sources(context.node, context.private_node, stage));
+    const auto sources = parameter_sources(context.node, context.private_node, stage);
+    const auto config = config::load<Config>(sources);
+    for (const std::string& line : config::replaced_values<Config>(sources)) ROS_WARN_STREAM(line);
     const std::string yaml = config::to_yaml(config);
     if (options.print_config) {
       std::fputs(yaml.c_str(), stdout);

@@ -72,6 +72,9 @@ class StageReader {
       found_file_ = true;
     }
     for (const config::Source& part : overlay_parts(stage)) sources.push_back(part);
+    for (const std::string& line : config::replaced_values<Config>(sources)) {
+      result.replaced.push_back(stage + "/" + line);
+    }
     for (const auto& [name, source] : parameters_) {
       if (name == stage) sources.push_back(source);
     }

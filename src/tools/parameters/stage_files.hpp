@@ -16,6 +16,7 @@ struct StageFiles {
   map::MapConfig map;
   std::string base_frame = "base_link";
   std::map<std::string, std::string> texts;  ///< of each stage, all fields as YAML
+  std::vector<std::string> replaced;  ///< lines about values of files that overlays have replaced
 };
 
 /// Sources of parameters; later ones have priority over earlier ones.

@@ -2,6 +2,7 @@
 #include "recording/drive_arguments.hpp"
 
 #include <algorithm>
+#include <iostream>
 #include <string>
 #include <thread>
 
@@ -47,6 +48,7 @@ void add_drive_options(CLI::App& app, DriveArguments& arguments) {
 
 StageFiles read_stages(DriveArguments& arguments) {
   StageFiles stages = read_stage_files(arguments.parameters);
+  for (const std::string& line : stages.replaced) std::cerr << line << "\n";
   stages.pipeline.threads =
       arguments.threads > 0 ? arguments.threads
                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
