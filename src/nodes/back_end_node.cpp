@@ -10,6 +10,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
@@ -51,6 +52,7 @@ nav_msgs::Odometry moved(const nav_msgs::Odometry& odometry, const Pose& T_map_o
 BackEndNode::BackEndNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
+      transform_(context, config.node.map_frame, config.node.odom_frame),
       poses_(context.node, config.node.map_frame),
       optimized_odom_(
           context.node.advertise<nav_msgs::Odometry>("optimized_odom", kPublisherQueue)),
@@ -62,6 +64,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
       solver_(context.worker, [this](const SolvedProblem& solved) {
         solved.solution ? apply_solution(solved) : report_failure(solved.failure);
       }) {
+  check_session_directory();
   advertise_verdicts();
   resume();
   context.worker.drain_on_stop();
@@ -100,6 +103,15 @@ void BackEndNode::resume() {
   resumed_run_ = run_id_;
 }
 
+/// A drive of which nothing can be stored is not begun.
+void BackEndNode::check_session_directory() const {
+  try {
+    NamelessFile(expanded_path(config_.session_directory)).write(0, "", 1);
+  } catch (const FileError& error) {
+    throw ConfigError("session_directory: " + std::string(error.what()) + ", or name another one");
+  }
+}
+
 /// A session that no node has made, but map_bag, belongs to no run yet.
 void BackEndNode::continue_session(session::Session session) {
   std::string run_id = session.run_id();
@@ -129,7 +141,7 @@ void BackEndNode::listen(const std::string& topic, Handle handle) {
 }
 
 void BackEndNode::subscribe_all() {
-  listen<KeyFrameMessage>("key_frame", [this](const auto& m) { key_frames_.push(received(m)); });
+  listen<KeyFrameMessage>("key_frame", [this](const auto& m) { receive_key_frame(m); });
   listen<LoopMessage>("loop", [this](const auto& m) { add_loop(m); });
   listen<LoopVerdictMessage>("loop_verdict", [this](const auto& m) { add_verdict(m); });
   listen<nav_msgs::Odometry>("synced_gnss", [this](const auto& m) { add_gnss(m); });
@@ -150,6 +162,20 @@ void BackEndNode::subscribe_all() {
   listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
     add_or_queue([record = to_record(m)](Run& run) { run.session().add_scan(record); });
   });
+}
+
+/// A key frame that cannot be stored is missing in the map; whoever asks for the map is told.
+void BackEndNode::receive_key_frame(const KeyFrameMessage& message) try {
+  key_frames_.push(received(message));
+} catch (const FileError& error) {
+  ++unstored_;
+  unstored_reason_ = error.what();
+  report_state();
+  throw;
+}
+
+std::string BackEndNode::unstored_key_frames() const {
+  return std::to_string(unstored_) + " key frames could not be stored (" + unstored_reason_ + ")";
 }
 
 /// Returns the first key frame that the session of this run lacks.
@@ -267,8 +293,7 @@ void BackEndNode::publish_in_map(const nav_msgs::Odometry& message) {
   const Pose T_map_odom = run_ ? run_->T_map_odom() : Pose::Identity();
   optimized_odom_.publish(moved(message, T_map_odom, config_.node.map_frame));
   if (stamp <= sent_transform_) return;
-  transforms_.sendTransform(
-      stamped_transform(T_map_odom, stamp, config_.node.map_frame, config_.node.odom_frame));
+  transform_.send(T_map_odom, stamp);
   sent_transform_ = stamp;
 }
 

@@ -14,12 +14,12 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
-#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/own_transform.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
 #include "back_end/pose_publisher.hpp"
@@ -45,6 +45,7 @@ class BackEndNode {
   using Run = pipeline::RecordedBackEnd;
 
   void advertise_verdicts();
+  void check_session_directory() const;
   void resume();
   void subscribe_all();
   void advertise_services();
@@ -52,6 +53,7 @@ class BackEndNode {
   void listen(const std::string& topic, Handle handle);
 
   KeyFrameIndex continue_run(const std::string& run_id);
+  void receive_key_frame(const KeyFrameMessage& message);
   void add_key_frame(const ReceivedKeyFrame& received);
   void add_early_loops();
   void finalize();
@@ -84,6 +86,7 @@ class BackEndNode {
   void write_files_for(OptimizeMap::Response& answer);
   void print_session() const;
 
+  std::string unstored_key_frames() const;
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
   std::future<OptimizeMap::Response> request_optimization();
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
@@ -98,7 +101,7 @@ class BackEndNode {
   Config config_;
   NodeContext& context_;
   SensorFrames sensor_frames_;
-  tf2_ros::TransformBroadcaster transforms_;
+  OwnTransform transform_;  ///< map -> odom
   Stamp sent_transform_ = 0;
   PosePublisher poses_;
   ros::Publisher optimized_odom_, verdicts_;
@@ -117,7 +120,9 @@ class BackEndNode {
   std::size_t early_loops_dropped_ = 0;
   std::size_t foreign_verdicts_ = 0;  ///< verdicts of other runs
   std::optional<GeodeticDatum> datum_;
-  std::string failure_;  ///< reason; empty if the newest optimisation succeeded
+  std::size_t unstored_ = 0;     ///< key frames that the session lacks
+  std::string unstored_reason_;  ///< of the last of them
+  std::string failure_;          ///< reason; empty if the newest optimisation succeeded
   bool files_outdated_ = false;
 
   Worker::ChannelId requests_, loops_;

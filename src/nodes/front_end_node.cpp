@@ -2,7 +2,6 @@
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <std_msgs/UInt32.h>
-#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/common/dates.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -15,6 +14,7 @@
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/own_transform.hpp"
 #include "lidar_mapping/ros/repeating_publisher.hpp"
 #include "lidar_mapping/ros/scan_assembler.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
@@ -75,7 +75,7 @@ class FrontEndNode {
   SensorFrames sensor_frames_;
   Pose T_base_scan_;                             ///< of the scans' frame
   std::optional<Eigen::Vector3d> p_base_lidar_;  ///< as key frames tell it
-  tf2_ros::TransformBroadcaster transforms_;
+  OwnTransform transform_;                       ///< odom -> base_link
   WarningLimiter limiter_;
   std::string run_id_;
   std::optional<front_end::FrontEndResult> previous_;
@@ -93,6 +93,7 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
       back_end_(context.node),
       front_end_(config.stage),
       assembler_(config.stage.odometry == front_end::OdometrySource::kExternal),
+      transform_(context, config.node.odom_frame, config.node.base_frame),
       key_frame_(context.node, "key_frame", kRepeatedKeyFrames) {
   const std::string notice = registration::describe_substitution(config.stage.registration);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
@@ -298,8 +299,7 @@ void FrontEndNode::begin_run() {
 
 void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
   const NodeFields& frames = config_.node;
-  transforms_.sendTransform(
-      stamped_transform(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame));
+  transform_.send(result.T_odom_base, result.stamp);
   double seconds = 0.0;
   // No motion leads into a new segment, so its first scan has no covariance of one.
   if (previous_ && previous_->segment == result.segment)

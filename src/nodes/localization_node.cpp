@@ -61,6 +61,7 @@ LocalizationNode::LocalizationNode(const Config& config, NodeContext& context)
       key_frames_(
           [](const auto&) { return std::vector<ReceivedKeyFrame>(); },  // there is no back end
           [this](const RunKeyFrame& received) { record(received); }),
+      transform_(context, config.node.map_frame, config.node.odom_frame),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       loader_([](const std::string& what, const std::string& problem) {
         ROS_ERROR_STREAM(what << " failed: " << problem);
@@ -208,8 +209,7 @@ void LocalizationNode::watch_scans() {
 void LocalizationNode::publish_pose(const LocalizationResult& result,
                                     const pipeline::PairedScan& paired) {
   const NodeFields& frames = config_.node;
-  transforms_.sendTransform(stamped_transform(result.T_map_base * paired.T_odom_base.inverse(),
-                                              result.stamp, frames.map_frame, frames.odom_frame));
+  transform_.send(result.T_map_base * paired.T_odom_base.inverse(), result.stamp);
   geometry_msgs::PoseWithCovarianceStamped pose;
   pose.header = header_of(result.stamp, frames.map_frame);
   pose.pose.pose = to_message(result.T_map_base);

@@ -13,7 +13,6 @@
 #include <ros/spinner.h>
 #include <ros/wall_timer.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2_ros/transform_broadcaster.h>
 
 #include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/pipeline/drive_recorder.hpp"
@@ -23,6 +22,7 @@
 #include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/own_transform.hpp"
 #include "lidar_mapping/ros/scratch_folder.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
@@ -101,7 +101,7 @@ class LocalizationNode {
   std::size_t recordings_ = 0;            ///< that the loader began
   KeyFrameFeed key_frames_;
   SensorFrames sensor_frames_;
-  tf2_ros::TransformBroadcaster transforms_;
+  OwnTransform transform_;                       ///< map -> odom
   std::shared_ptr<ActiveMap> active_map_;        ///< none until a map is read
   std::optional<Eigen::Vector3d> p_base_lidar_;  ///< that the front end told
   pipeline::PoseClaim initial_pose_;             ///< that the next scan in a map is told

@@ -592,6 +592,32 @@ TEST_F(BackEndNode, KeepsAnEmptySessionUntilAnotherOneIsOpen) {
   EXPECT_EQ(known().poses.header.frame_id, "map") << "its session is still open";
 }
 
+TEST_F(BackEndNode, EndsWithAMessageWhereNoSessionCanBeStored) {
+  std::ofstream(folder_.path() / "file").close();
+  NodeProcess node("back_end_node",
+                   {"_session_directory:=" + (folder_.path() / "file" / "sessions").string()});
+  EXPECT_EQ(node.wait(), 1);
+  EXPECT_TRUE(node.says("session_directory: cannot put data aside in")) << node.output();
+}
+
+/// A whole drive was lost, and the answer was that there was nothing to optimise.
+TEST_F(BackEndNode, SaysWhyKeyFramesCouldNotBeStored) {
+  const auto node = start();
+  fs::remove_all(folder_.path() / "sessions");
+  std::ofstream(folder_.path() / "sessions").close();
+  publish(0, 3);
+  EXPECT_TRUE(wait_until([&] {
+    return optimize().message.find("3 key frames could not be stored (") == 0;
+  })) << node->output();
+  fs::remove(folder_.path() / "sessions");
+  publish(3, 6);
+  ASSERT_TRUE(wait_for_key_frames(3)) << node->output();
+  const OptimizeMap::Response answer = optimize();
+  EXPECT_TRUE(answer.success);
+  EXPECT_NE(answer.message.find("3 key frames could not be stored ("), std::string::npos)
+      << answer.message;
+}
+
 TEST_F(BackEndNode, EndsWithAMessageWhereThereIsNoSessionToResume) {
   NodeProcess node("back_end_node", {"_resume:=" + (folder_.path() / "nothing").string()});
   EXPECT_EQ(node.wait(), 1);

@@ -499,6 +499,21 @@ TEST_F(FrontEndNode, DoesNotInventThePlaceOfTheLidar) {
   EXPECT_FALSE(ros_border::received(key_frames_.messages[0]).p_base_lidar);
 }
 
+/// tf gave the pose by the other publisher, and nobody said so.
+TEST_F(FrontEndNode, NamesWhoElsePublishesTheVehicleInTf) {
+  const auto others = connected_publisher<tf2_msgs::TFMessage>("/tf");
+  tf2_msgs::TFMessage wheels;
+  wheels.transforms.resize(1);
+  wheels.transforms[0].header.frame_id = "wheels";
+  wheels.transforms[0].child_frame_id = "base_link";
+  wheels.transforms[0].transform.rotation.w = 1.0;
+  drive(0, 4);
+  const std::string warning = "tf has wheels -> base_link of " + ros::this_node::getName();
+  EXPECT_EQ(node_->count("tf has"), 0U) << node_->output();
+  for (int i = 0; i < 3; ++i) others.publish(wheels);
+  EXPECT_TRUE(wait_until([&] { return node_->count(warning) == 1U; })) << node_->output();
+}
+
 TEST_F(FrontEndNode, ReportsItsStateInDiagnostics) {
   Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   drive(0, 4);

@@ -123,6 +123,22 @@ TEST_F(InputFrames, ATransformThatComesAtTheEndHoldsFromTheBeginning) {
   EXPECT_TRUE(has_said("frame velo_link"));
 }
 
+TEST_F(InputFrames, AnotherParentOfTheVehicleIsNamed) {
+  const auto with_odometry_in_tf = [](rosbag::Bag& to, const ros::Time& recorded,
+                                      const PointCloud2& cloud) {
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms.resize(1);
+    transforms.transforms[0].header.stamp = cloud.header.stamp;
+    transforms.transforms[0].header.frame_id = "/wheels";
+    transforms.transforms[0].child_frame_id = "base_link";
+    transforms.transforms[0].transform.rotation.w = 1.0;
+    to.write("/tf", recorded, transforms);
+    to.write(kTopic, recorded, cloud);
+  };
+  expect_said(checked(written("odometry_in_tf", with_odometry_in_tf)),
+              "tf has 'wheels' as the parent of 'base_link'", 0);
+}
+
 TEST_F(InputFrames, ScannersOfAPlaneAreLeftOutWithAWord) {
   const auto with_scanner = [](rosbag::Bag& to, const ros::Time& recorded,
                                const PointCloud2& cloud) {

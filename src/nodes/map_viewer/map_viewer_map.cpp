@@ -135,7 +135,7 @@ void MapViewerNode::complete(map::ProductOptions& options, const MapInput& input
 
 std::filesystem::path MapViewerNode::session_map(const std::string& run_id) const {
   if (const auto session = session_of(run_id)) return session->directory() / "map";
-  throw InputError("no session is known, as there is no back end; name a directory");
+  throw InputError("the back end has no session, or there is none; name a directory");
 }
 
 /// The session into which the back end writes the run; empty if there is none. Throws FileError if

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <sensor_msgs/Imu.h>
 
@@ -121,6 +122,16 @@ std::string unused_topics(const BagSet& bags) {
   return names.empty() ? "" : "; not used: " + joined(names);
 }
 
+/// "; tf has 'odom' as the parent of 'base_link': ..." or nothing. The front end is that parent
+/// while the nodes run, and a frame has one only.
+std::string note_on_parents(const std::set<std::string>& parents, const std::string& base_frame) {
+  if (parents.empty()) return "";
+  const std::vector<std::string> names(parents.begin(), parents.end());
+  return "; tf has '" + joined(names) + "' as the parent of '" + base_frame +
+         "': for the nodes, play it with /tf:=/tf_recorded, or name the uppermost frame of the "
+         "vehicle by base_frame";
+}
+
 /// What is wrong with clouds in a frame in which the vehicle moves; empty if it does not.
 std::optional<CheckDiagnostic> moving_clouds_in(const RecordingCheck& recording) {
   const auto cloud = first_cloud(*recording.bags, recording.topics.points);
@@ -150,6 +161,7 @@ class RecordingValidator {
       : reader_(config),
         input_validator_(config),
         frames_(recording.base_frame),
+        base_frame_(recording.base_frame),
         clouds_move_(clouds_move) {
     // Also what stands behind the checked part holds for all of the recording.
     add_recorded_frames(*recording.bags, "/tf_static", std::numeric_limits<Stamp>::min(),
@@ -172,6 +184,10 @@ class RecordingValidator {
       if (!warning.empty()) no_gga_ = warning;
     } else if (const auto frames = read_transforms(message)) {
       frames_.add(*frames, message.topic() == "/tf_static");
+      for (const geometry_msgs::TransformStamped& transform : frames->transforms) {
+        if (frame_name(transform.child_frame_id) != base_frame_) continue;
+        parents_.insert(frame_name(transform.header.frame_id));
+      }
     }
   } catch (const ros::Exception& error) {
     if (damaged_++ == 0) damage_ = "a message on " + message.topic() + ": " + error.what();
@@ -182,6 +198,8 @@ class RecordingValidator {
     if (damage.places > 0) damage_ = damage.reason;
     damaged_ += damage.places;
   }
+  /// Frames of which the vehicle's is a child.
+  const std::set<std::string>& parents() const { return parents_; }
   /// Adds packets of an Ouster that came when their turn had been given out.
   void add_late_packets(std::size_t count) { late_packets_ += count; }
 
@@ -236,6 +254,8 @@ class RecordingValidator {
   CloudReader reader_;
   preprocessing::InputValidator input_validator_;
   RecordedFrames frames_;
+  std::string base_frame_;
+  std::set<std::string> parents_;
   bool clouds_move_;
   std::size_t unreadable_ = 0;
   std::string problem_;  ///< reason of the first of them
@@ -263,7 +283,8 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   validator.add(messages.damage());
   validator.add_late_packets(messages.late_packets());
   std::vector<InputReport> reports = validator.reports();
-  reports.front().found += other_clouds(recording) + unused_topics(*recording.bags);
+  reports.front().found += other_clouds(recording) + unused_topics(*recording.bags) +
+                           note_on_parents(validator.parents(), recording.base_frame);
   if (moving) reports.front().diagnostics.push_back(*moving);
   if (t.points.empty()) reports.front().diagnostics = {why_no_clouds(*recording.bags)};
   if (t.gnss.empty()) {
