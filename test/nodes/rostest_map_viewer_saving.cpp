@@ -146,7 +146,7 @@ TEST_F(MapViewerNode, LeavesTheSessionOfAnotherRunAlone) {
   const SaveMap::Response stale = save(call);
   ros::NodeHandle().deleteParam("session_folder");
   EXPECT_FALSE(stale.success);
-  EXPECT_NE(stale.message.find("no session is known"), std::string::npos) << stale.message;
+  EXPECT_NE(stale.message.find("the back end has no session"), std::string::npos) << stale.message;
   ros::NodeHandle().setParam(ros_border::kRunSession, session.string());
   const SaveMap::Response refused = save(call);
   const SaveMap::Response elsewhere = save(folder_.path() / "map", {"pcd"});
