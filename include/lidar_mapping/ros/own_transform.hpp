@@ -19,7 +19,7 @@ namespace lidar_mapping::ros_border {
 class OwnTransform {
  public:
   /// `parent` and `child` are the names of the frames.
-  OwnTransform(NodeContext& context, std::string parent, std::string child);
+  OwnTransform(NodeContext& context, const std::string& parent, const std::string& child);
 
   /// Publishes T_parent_child. One thread calls it.
   void send(const Pose& T_parent_child, Stamp stamp);

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/own_transform.hpp"
 
-#include <utility>
-
 #include <ros/console.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
 
-OwnTransform::OwnTransform(NodeContext& context, std::string parent, std::string child)
+OwnTransform::OwnTransform(NodeContext& context, const std::string& parent,
+                           const std::string& child)
     : context_(context), parent_(frame_name(parent)), child_(frame_name(child)) {
   for (const char* topic : {"/tf", "/tf_static"}) {
     subscribers_.push_back(subscribe_arrivals<tf2_msgs::TFMessage>(
