@@ -610,7 +610,7 @@ TEST_F(BackEndNode, SaysWhyKeyFramesCouldNotBeStored) {
     return optimize().message.find("3 key frames could not be stored (") == 0;
   })) << node->output();
   fs::remove(folder_.path() / "sessions");
-  publish(3, 6);
+  publish(0, 3);
   ASSERT_TRUE(wait_for_key_frames(3)) << node->output();
   const OptimizeMap::Response answer = optimize();
   EXPECT_TRUE(answer.success);
