@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -12,8 +11,6 @@
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
-#include "lidar_mapping/common/rotations.hpp"
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/localization/localizer.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -249,38 +246,6 @@ TEST_F(LocalizationNode, SearchesAgainAndReadsAnotherMapWhenAsked) {
   EXPECT_FALSE(save.response.success);
   EXPECT_NE(save.response.message.find("record_session: true"), std::string::npos)
       << save.response.message;
-}
-
-/// It was used for the first scan after the map was read, wherever the vehicle was by then.
-TEST_F(LocalizationNode, CarriesTheInitialPoseAlongUntilThereIsAMap) {
-  nodes_["localization_node"].reset();
-  ASSERT_TRUE(wait_until([&] { return !status_.connected(); }));
-  const Pose begin = T_truth_map().inverse() * from_message(player_.truth().front().pose.pose);
-  const Eigen::Vector3d& p = begin.translation;
-  std::ostringstream pose;
-  pose << "_initial_pose:=[" << p.x() << ", " << p.y() << ", " << p.z() << ", 0.0, 0.0, "
-       << yaw_of(begin.rotation) * kDegPerRad << "]";
-  start("localization_node", {"_lidar_frame:=velo_link", "_use_initial_pose:=true", pose.str()});
-  ASSERT_TRUE(wait_until([&] {
-    return status_.connected() && pose_.connected() && is_connected("laser_odom") &&
-           is_connected("current_scan");
-  }));
-  for (std::size_t scans = 1; scans < 30; ++scans) {
-    player_.send_next_scan();
-    ASSERT_TRUE(scans == 1 || laser_odom_.wait_for(scans - 1));
-  }
-  ASSERT_TRUE(status_.messages.empty());
-  LoadMap load;
-  load.request.path = map();
-  ASSERT_TRUE(ros::service::call("load_map", load));
-  ASSERT_TRUE(load.response.success) << load.response.message;
-  for (int i = 0; i < 5; ++i) player_.send_next_scan();
-  ASSERT_TRUE(status_.wait_for(3) && pose_.wait_for(1)) << last().reason;
-  EXPECT_EQ(pose_.messages.front().header.stamp, status_.messages.front().header.stamp)
-      << "a place that is claimed needs no search";
-  const auto& found = pose_.messages.back();
-  EXPECT_TRUE(near(T_truth_map() * from_message(found.pose.pose),
-                   truth_at(player_.truth(), from_ros(found.header.stamp)), 0.3, 0.02));
 }
 
 TEST_F(LocalizationNode, SaysThatNoScansCome) {

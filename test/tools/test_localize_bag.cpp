@@ -105,13 +105,14 @@ TEST_F(LocalizeBag, LeavesAFolderAloneThatIsNotEmpty) {
 /// It said that no scan could be used, and ended as if the drive were at fault.
 TEST_F(LocalizeBag, EndsAsStoppedByCtrlCWhileItReadsTheMap) {
   const Words words = {other_day(), map(), "-o", root() / "stopped", "--duration", "4"};
-  const fs::path log = root() / "log";
+  const fs::path log = folder_.path() / "log";
+  std::ofstream(log) << "";
   test::Program program("localize_bag", words, log);
   while (!test::holds(content_of(log), "\n") && !program.ends_within(0.001)) {  // it reads the map
   }
   program.kill(SIGINT);
-  EXPECT_EQ(program.wait(), 3) << said();
-  EXPECT_TRUE(has_said("stopped "));
+  EXPECT_EQ(program.wait(), 3) << content_of(log);
+  EXPECT_TRUE(test::holds(content_of(log), "stopped "));
 }
 
 TEST_F(LocalizeBag, WritesFiguresAsJson) {
