@@ -207,9 +207,9 @@ def print_table(errors):
     for name, title in (('odometry', 'odometry'), ('loops', 'loops, without GNSS'),
                         ('gnss_loops', 'loops and GNSS')):
         ape, kitti = errors[name]['ape']['translation_m'], errors[name]['kitti']
-        print(f"{title:28}{ape['rmse']:8.3f} m{ape['max']:8.3f} m"
-              f"{kitti['translation_percent']:8.3f} %"
-              f"{kitti['rotation_deg_per_100m']:8.3f} deg/100m")
+        drift = (f"{kitti['translation_percent']:8.3f} %{kitti['rotation_deg_per_100m']:8.3f} deg/100m"
+                 if kitti['segments'] else '  (the path is shorter than a segment)')
+        print(f"{title:28}{ape['rmse']:8.3f} m{ape['max']:8.3f} m{drift}")
 
 
 def print_localization(figures):

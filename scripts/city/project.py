@@ -295,7 +295,7 @@ class ProjectReader:
     def read(self):
         output, drives = self.output(), self.drives()
         check_places(drives, output)
-        name_drives(drives, self.folder, read_names(output))
+        name_drives(drives, self.folder, read_names(output), earlier_names(output))
         return Project(self.path.resolve(), output, drives, {
             'datum': self.datum(),
             'config': self.existing(self.top, 'config', 'name a folder with back_end.yaml or loop_closing.yaml'),
@@ -305,13 +305,17 @@ class ProjectReader:
 
 
 def check_places(drives, output):
-    """Throws for a recording in a folder of the city, whose jobs would remove it."""
+    """Throws for a recording in a folder of the city, whose jobs would remove it, and for one that contains the city
+    and would change with every job."""
     own = [output / name for name in OWN_FOLDERS]
     folders = {*own, *(folder.resolve() for folder in own)}
     for path in (path for drive in drives for path in drive.paths):
         if not folders.isdisjoint((path, *path.parents, path.resolve(), *path.resolve().parents)):
             raise ProjectError(f'recordings: {str(path)!r}: lies in the city itself (output: {str(output)!r}), which '
                                'replaces the files there; move it elsewhere, or name another output')
+        if path.resolve() in (output.resolve(), *output.resolve().parents):
+            raise ProjectError(f'recordings: {str(path)!r}: contains the city itself (output: {str(output)!r}), which '
+                               'changes with every job; name the bags in it, or another output')
 
 
 def name_of(path):
@@ -323,12 +327,21 @@ def name_of(path):
 def read_names(output):
     """Names that recordings of a city have got before; nothing of a new one."""
     try:
-        return json.loads((output / NAMES_FILE).read_text())
+        names = json.loads((output / NAMES_FILE).read_text())
     except (OSError, ValueError):
         return {}
+    return names if isinstance(names, dict) else {}
 
 
-def name_drives(drives, folder, names):
+def earlier_names(output):
+    """Names of mapped drives, where an older map_city has not written down whose they are: it put the folder's name
+    before all that were equal."""
+    if (output / NAMES_FILE).exists():
+        return set()
+    return {path.stem for path in (output / 'jobs/map').glob('*.json')}
+
+
+def name_drives(drives, folder, names, earlier):
     """Names drives that have no given name. A recording keeps that of `names`, so a new one changes none of a drive
     that is mapped; others get that of their file or, where it is taken, that of their folder before it."""
     check_names(drives, folder)
@@ -338,7 +351,8 @@ def name_drives(drives, folder, names):
         for drive in (drive for drive in unnamed if drive.name is None):
             possible = drive.possible_names()
             if is_known:
-                possible = [name for name in possible if name == names.get(drive.recording(folder))]
+                possible = [name for name in reversed(possible)
+                            if name == names.get(drive.recording(folder)) or name in earlier]
             drive.name = next((name for name in possible if name not in taken), None)
             taken.add(drive.name)
     nameless = [drive for drive in unnamed if drive.name is None]

@@ -64,9 +64,9 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
       solver_(context.worker, [this](const SolvedProblem& solved) {
         solved.solution ? apply_solution(solved) : report_failure(solved.failure);
       }) {
-  check_session_directory();
   advertise_verdicts();
   resume();
+  if (!run_) check_session_directory();
   context.worker.drain_on_stop();
   context.worker.set_idle_task(kIdle, [this] {
     finalize();
@@ -168,14 +168,10 @@ void BackEndNode::subscribe_all() {
 void BackEndNode::receive_key_frame(const KeyFrameMessage& message) try {
   key_frames_.push(received(message));
 } catch (const FileError& error) {
-  ++unstored_;
-  unstored_reason_ = error.what();
+  // Of a run that has a session, add_key_frame() knows which one it was.
+  if (message.run_id != run_id_) unstored_.add(message.run_id, message.index, error.what());
   report_state();
   throw;
-}
-
-std::string BackEndNode::unstored_key_frames() const {
-  return std::to_string(unstored_) + " key frames could not be stored (" + unstored_reason_ + ")";
 }
 
 /// Returns the first key frame that the session of this run lacks.
@@ -195,7 +191,13 @@ void BackEndNode::add_key_frame(const ReceivedKeyFrame& received) {
   report_missing();
   context_.diagnostics.count_input(key_frame.stamp);
   next_index_ = key_frame.index + 1;
-  run_->add_key_frame(key_frame);
+  try {
+    run_->add_key_frame(key_frame);
+  } catch (const FileError& error) {
+    unstored_.add(run_id_, key_frame.index, error.what());
+    throw;
+  }
+  unstored_.remove(key_frame.index);
   files_outdated_ = true;
   store_sensor_origin(received);
   context_.diagnostics.set("key frames", key_frame.index + 1);
@@ -350,6 +352,7 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   if (datum_) run->set_datum(*datum_);
   run_ = std::move(run);  // all that may fail has been done
   run_id_ = run_id;
+  unstored_.begin_run(run_id);
   poses_.begin_run(run_id);
   next_index_ = next;
   store_datum();

@@ -24,6 +24,7 @@
 
 #include "back_end/pose_publisher.hpp"
 #include "back_end/solver_queue.hpp"
+#include "back_end/unstored_key_frames.hpp"
 #include "back_end_node_config.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -86,7 +87,6 @@ class BackEndNode {
   void write_files_for(OptimizeMap::Response& answer);
   void print_session() const;
 
-  std::string unstored_key_frames() const;
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
   std::future<OptimizeMap::Response> request_optimization();
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
@@ -120,9 +120,8 @@ class BackEndNode {
   std::size_t early_loops_dropped_ = 0;
   std::size_t foreign_verdicts_ = 0;  ///< verdicts of other runs
   std::optional<GeodeticDatum> datum_;
-  std::size_t unstored_ = 0;     ///< key frames that the session lacks
-  std::string unstored_reason_;  ///< of the last of them
-  std::string failure_;          ///< reason; empty if the newest optimisation succeeded
+  UnstoredKeyFrames unstored_;
+  std::string failure_;  ///< reason; empty if the newest optimisation succeeded
   bool files_outdated_ = false;
 
   Worker::ChannelId requests_, loops_;

@@ -112,14 +112,19 @@ void RecordedBackEnd::add_gnss(const GnssPosition& position) {
   back_end_.add_gnss(in_session);
 }
 
-/// Returns false if the same was said of the two key frames before.
-bool RecordedBackEnd::note_said(const LoopVerdict& verdict) {
-  return said_.emplace(verdict.from, verdict.to, verdict.verdict, verdict.reason).second;
+/// Whether the same was said of the two key frames before.
+bool RecordedBackEnd::was_said(const LoopVerdict& verdict) const {
+  return said_.count({verdict.from, verdict.to, verdict.verdict, verdict.reason}) > 0;
+}
+
+void RecordedBackEnd::note_said(const LoopVerdict& verdict) {
+  said_.emplace(verdict.from, verdict.to, verdict.verdict, verdict.reason);
 }
 
 void RecordedBackEnd::add_verdict(const LoopVerdict& verdict) {
-  if (!note_said(verdict)) return;
+  if (was_said(verdict)) return;
   session_.add_verdict(verdict);
+  note_said(verdict);
   const auto last = last_verdicts_.find({verdict.from, verdict.to});
   if (last != last_verdicts_.end()) last->second = verdict;
 }

@@ -65,6 +65,19 @@ class Meaning(ProjectTest):
         project = self.read('recordings: [{path: monday/b.bag, name: a}, {path: tuesday/a.bag}]\n')
         self.assertEqual(list(project.drives), ['a', 'tuesday_a'])
 
+    def test_a_recording_keeps_its_name_from_before_names_were_written_down(self):
+        (self.folder / 'city/jobs/check').mkdir(parents=True)
+        (self.folder / 'city/jobs/map').mkdir()
+        for name in ('monday_a', 'tuesday_a', 'b'):
+            (self.folder / f'city/jobs/map/{name}.json').touch()
+        self.assertEqual(list(self.read('recordings:\n  - path: "*/*.bag"\n').drives),
+                         ['monday_a', 'b', 'tuesday_a', 'c_d'])
+
+    def test_names_that_cannot_be_read_are_none(self):
+        (self.folder / 'city/jobs/check').mkdir(parents=True)
+        (self.folder / 'city/jobs/names.json').write_text('[]')
+        self.assertEqual(list(self.read('recordings: [{path: monday/a.bag}]\n').drives), ['a'])
+
     def test_settings_of_a_recording_win_over_the_defaults(self):
         project = self.read('defaults: {sensor: vlp16, start: 2, topics: {gnss: /fix}}\n'
                             'recordings:\n  - path: monday/a.bag\n  - {path: monday/b.bag, sensor: hdl64e, duration: 5}\n')
@@ -149,6 +162,13 @@ class Mistakes(ProjectTest):
         self.assertIn('lies in the city itself', self.error('recordings: [{path: city/drives}]\n'))
         (self.folder / 'link').symlink_to(self.folder / 'city/drives')
         self.assertIn('lies in the city itself', self.error('recordings: [{path: link/a.bag}]\n'))
+
+    def test_a_recording_that_contains_the_city(self):
+        for path, output in (('.', 'city'), ('monday', 'monday'), ('monday', 'monday/city')):
+            text = f'recordings: [{{path: {path}}}]\noutput: {output}\n'
+            if output == 'monday':
+                (self.folder / 'monday/jobs/check').mkdir(parents=True)
+            self.assertIn('contains the city itself', self.error(text))
 
     def test_one_recording_twice(self):
         self.assertIn('is there twice; give one of them another "name"',

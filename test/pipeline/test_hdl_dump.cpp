@@ -173,6 +173,19 @@ TEST(HdlDump, KnowsWhetherItsPosesLieInEastNorthUp) {
   EXPECT_FALSE(datum_of_map(true, "poses_in_enu")) << "nobody says so";
 }
 
+// Axes of a map that is not aligned say nothing of where the antenna is to the east and north.
+TEST(HdlDump, SubtractsTheHeightOfTheAntennaAloneWithoutAHeading) {
+  const TemporaryFolder folder;
+  const Session before = example_session(folder.path() / "session");
+  ASSERT_FALSE(before.gnss()[0].R_enu_base);
+  write_hdl_dump(before, graph_of(before), false, folder.path() / "dump");
+  Session after = Session::create_in(folder.path() / "back");
+  read_hdl_dump(folder.path() / "dump", after);
+  const GnssPosition& position = before.gnss()[0];
+  const Eigen::Vector3d lever(0.0, 0.0, position.p_base_antenna.z());
+  EXPECT_TRUE(test::near(after.gnss()[0].p_enu_antenna, position.p_enu_antenna - lever, 1e-6));
+}
+
 // Writing and reading keeps everything that the format supports.
 TEST(HdlDump, RoundTripKeepsContents) {
   const TemporaryFolder folder;

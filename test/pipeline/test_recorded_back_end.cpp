@@ -512,6 +512,19 @@ TEST(RecordedBackEnd, StoresOnceWhatASearchSaysAgain) {
   }
 }
 
+TEST(RecordedBackEnd, StoresLaterWhatAFullDiskDidNotTake) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  const auto waiting = verdict_on(closing_loop(), Verdict::kUndecided, waiting_reason(30.0));
+  {
+    const test::FullDisk full;
+    EXPECT_THROW(back_end.add_verdict(waiting), FileError);
+  }
+  back_end.add_verdict(waiting);
+  EXPECT_EQ(back_end.session().verdicts().size(), 1U);
+}
+
 TEST(RecordedBackEnd, ReturnsTheWarningsThatItWrites) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});

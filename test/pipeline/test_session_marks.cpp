@@ -45,7 +45,8 @@ class SessionMarks : public testing::Test {
     session_.add_verdict(verdict);
   }
 
-  void write_doubtful_section(double begin_s, double end_s, KeyFrameRange key_frames) {
+  void write_doubtful_section(double begin_s, double end_s,
+                              std::optional<KeyFrameRange> key_frames) {
     DriveDoubt doubt;
     DoubtfulSection section;
     section.doubt = Doubt::kDegenerate;
@@ -107,6 +108,14 @@ TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
   doubt = session_marks(session_, poses_).doubts.at(0);
   ASSERT_EQ(doubt.path_map.size(), 2U);
   EXPECT_EQ(doubt.path_map[1].x(), 20.0);
+}
+
+// Files of older programs do not name the key frames.
+TEST_F(SessionMarks, FollowThePathOfASingleDriveByItsStamps) {
+  write_doubtful_section(1.5, 3.5, std::nullopt);
+  const DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
+  ASSERT_EQ(doubt.path_map.size(), 4U);
+  EXPECT_EQ(doubt.path_map[3].x(), 40.0);
 }
 
 // Another vehicle drives 100 m aside at the same time.

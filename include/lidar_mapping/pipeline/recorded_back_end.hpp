@@ -124,7 +124,8 @@ class RecordedBackEnd {
  private:
   void resume();
   void solve_at_opening();
-  bool note_said(const LoopVerdict& verdict);
+  bool was_said(const LoopVerdict& verdict) const;
+  void note_said(const LoopVerdict& verdict);
   std::vector<LoopVerdict> changed_verdicts();
   void store_solution(const KeyFramePoses& poses, PoseStorage storage);
   void store_verdicts();

@@ -34,7 +34,7 @@ bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& res
 
 /// Runs in the worker. The answer follows when the graph is solved.
 std::future<OptimizeMap::Response> BackEndNode::request_optimization() {
-  if (!run_ && unstored_ > 0) throw InputError(unstored_key_frames() + "; nothing to optimise");
+  if (!run_ && !unstored_.empty()) throw InputError(unstored_.text() + "; nothing to optimise");
   if (!run_) throw InputError("there are no key frames yet; nothing to optimise");
   finalize();
   SolverQueue::Answer promise;

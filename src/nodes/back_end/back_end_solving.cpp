@@ -70,7 +70,7 @@ void BackEndNode::end_solving(OptimizeMap::Response answer) {
   solver_.finish();
   report_state();
   if (solver_.has_requests()) write_files_for(answer);
-  if (unstored_ > 0) answer.message += " " + unstored_key_frames() + ".";
+  if (!unstored_.empty()) answer.message += " " + unstored_.text() + ".";
   solver_.answer(answer);
   if (solver_.has_requests()) start_solving(true);
 }
@@ -94,8 +94,8 @@ void BackEndNode::write_files_for(OptimizeMap::Response& answer) {
 void BackEndNode::report_state() {
   if (solver_.is_solving()) {
     context_.diagnostics.set_state(Diagnostics::Level::kOk, "optimising");
-  } else if (unstored_ > 0) {
-    context_.diagnostics.set_state(Diagnostics::Level::kError, unstored_key_frames());
+  } else if (!unstored_.empty()) {
+    context_.diagnostics.set_state(Diagnostics::Level::kError, unstored_.text());
   } else if (!failure_.empty()) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, failure_);
   } else if (run_) {

@@ -129,13 +129,20 @@ class DumpWriter {
     data << "orientation " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\n";
   }
 
+  /// Without a heading, only the height of the antenna is known to be subtracted.
+  Eigen::Vector3d base_position(const GnssPosition& position,
+                                const Eigen::Quaterniond& R_map_base) const {
+    if (position.R_enu_base) return position.p_enu_base(*position.R_enu_base);
+    if (in_enu_) return position.p_enu_base(R_map_base);
+    return position.p_enu_antenna - Eigen::Vector3d(0.0, 0.0, position.p_base_antenna.z());
+  }
+
   /// The position of base_link, because the format has no lever arm. A position without height has
   /// a field that only this package reads, and that others skip: in utm_coord they would take the
   /// height of the datum for a measured one, and interactive_slam does not get past a "nan".
   void write_position(const GnssPosition& position, const Eigen::Quaterniond& R_map_base,
                       std::ostream& data) const {
-    const Eigen::Vector3d p_utm =
-        in_utm(position.p_enu_base(position.R_enu_base.value_or(R_map_base)));
+    const Eigen::Vector3d p_utm = in_utm(base_position(position, R_map_base));
     if (has_height(position.covariance)) {
       data << "utm_coord " << p_utm.transpose() << "\n";
     } else {

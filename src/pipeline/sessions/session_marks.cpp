@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/sorted_values.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
+#include "lidar_mapping/pipeline/session_drives.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -55,14 +56,30 @@ std::vector<Eigen::Vector3d> course_of(const DoubtfulSection& section,
   return course;
 }
 
+/// The same in files of older programs, which do not name the key frames; only a single drive is
+/// found by its stamps.
+std::vector<Eigen::Vector3d> course_by_stamps(const DoubtfulSection& section,
+                                              const std::vector<PathPoint>& path) {
+  std::vector<Eigen::Vector3d> course = {section.position};
+  for (const PathPoint& point : path) {
+    if (point.stamp <= section.begin) continue;
+    course.push_back(point.p_map);
+    if (point.stamp >= section.end) break;
+  }
+  return course;
+}
+
 std::vector<DoubtMark> doubts_of(const session::Session& session,
                                  const std::vector<PathPoint>& path) {
   const std::filesystem::path file = session.directory() / "doubt.csv";
   if (!std::filesystem::exists(file)) return {};
+  const bool is_single = drives_of(session).size() == 1;
   std::vector<DoubtMark> doubts;
   for (const DoubtfulSection& section : read_doubt(file).sections) {
+    const auto course = is_single && !section.key_frames ? course_by_stamps(section, path)
+                                                         : course_of(section, path);
     doubts.push_back({to_string(section.doubt), section.begin, section.end, section.path_length,
-                      section.expected_error, section.is_trusted, course_of(section, path)});
+                      section.expected_error, section.is_trusted, course});
   }
   return doubts;
 }
