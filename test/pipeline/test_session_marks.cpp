@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <optional>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
@@ -95,7 +97,7 @@ TEST_F(SessionMarks, LeaveOutLoopsOfKeyFramesWithoutAPose) {
 
 // A doubtful section may have no key frame at all: then it leads to the next one.
 TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
-  write_doubtful_section(1.5, 3.5, {1, 4});
+  write_doubtful_section(1.5, 3.5, KeyFrameRange{1, 4});
   DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
   EXPECT_EQ(doubt.kind, "degenerate");
   EXPECT_FALSE(doubt.is_trusted);
@@ -104,7 +106,7 @@ TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
   EXPECT_EQ(doubt.path_map[0].x(), 15.0);
   EXPECT_EQ(doubt.path_map[3].x(), 40.0);
 
-  write_doubtful_section(1.2, 1.4, {1, 2});
+  write_doubtful_section(1.2, 1.4, KeyFrameRange{1, 2});
   doubt = session_marks(session_, poses_).doubts.at(0);
   ASSERT_EQ(doubt.path_map.size(), 2U);
   EXPECT_EQ(doubt.path_map[1].x(), 20.0);
@@ -130,7 +132,7 @@ TEST_F(SessionMarks, StayInTheDriveOfADoubtfulSection) {
     pose.translation = {10.0 * (i - 6), 100.0, 0.0};
     poses_.poses.push_back({i, key_frame.stamp, pose});
   }
-  write_doubtful_section(1.5, 3.5, {1, 4});
+  write_doubtful_section(1.5, 3.5, KeyFrameRange{1, 4});
   const DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
   EXPECT_EQ(doubt.path_map.size(), 4U);
   for (const Eigen::Vector3d& p_map : doubt.path_map) EXPECT_EQ(p_map.y(), 0.0);
