@@ -114,6 +114,7 @@ TEST_F(SessionMarks, FollowThePathThroughADoubtfulSection) {
 
 // Files of older programs do not name the key frames.
 TEST_F(SessionMarks, FollowThePathOfASingleDriveByItsStamps) {
+  for (KeyFrameIndex i = 0; i < 6; ++i) session_.add_odometry(stamp_of(i), Pose::Identity());
   write_doubtful_section(1.5, 3.5, std::nullopt);
   const DoubtMark doubt = session_marks(session_, poses_).doubts.at(0);
   ASSERT_EQ(doubt.path_map.size(), 4U);
