@@ -181,7 +181,7 @@ TEST(HdlDump, SubtractsTheHeightOfTheAntennaAloneWithoutAHeading) {
   write_hdl_dump(before, graph_of(before), false, folder.path() / "dump");
   Session after = Session::create_in(folder.path() / "back");
   read_hdl_dump(folder.path() / "dump", after);
-  const GnssPosition& position = before.gnss()[0];
+  const GnssPosition position = before.gnss()[0];
   const Eigen::Vector3d lever(0.0, 0.0, position.p_base_antenna.z());
   EXPECT_TRUE(test::near(after.gnss()[0].p_enu_antenna, position.p_enu_antenna - lever, 1e-6));
 }
