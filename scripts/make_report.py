@@ -172,8 +172,9 @@ def misalignment_plan(report, trajectory):
 def section_line(section, trajectory):
     """Positions of the key frames of a section of the map, and of the next one if it is near."""
     first, last = section['rows']
-    distance = trajectory['distance']
-    if last + 1 < len(distance) and distance[last + 1] - distance[last] < GAP:
+    x, y = trajectory['x'], trajectory['y']
+    # Between two drives no way is counted, so the positions tell how near it is.
+    if last + 1 < len(x) and np.hypot(x[last + 1] - x[last], y[last + 1] - y[last]) < GAP:
         last += 1
     return np.column_stack([trajectory[name][first:last + 1] for name in 'xy'])
 

@@ -230,8 +230,8 @@ void BackEndNode::report_missing() {
 
 void BackEndNode::store_sensor_origin(const ReceivedKeyFrame& received) {
   if (run_->session().sensor_origin()) return;
-  auto origin = received.p_base_lidar;
-  if (!origin) origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  if (!origin) origin = received.p_base_lidar;
   if (origin) run_->session().set_sensor_origin(*origin);
 }
 

@@ -106,8 +106,9 @@ void LocalizationNode::subscribe_all() {
                                                    [this](const auto& m) { add_scan(*m); }),
       subscribe<geometry_msgs::PointStamped>(context_, "lidar_origin", 1,
                                              [this](const auto& m) {
-                                               p_base_lidar_ = Eigen::Vector3d(
-                                                   m->point.x, m->point.y, m->point.z);
+                                               const Eigen::Vector3d p(m->point.x, m->point.y,
+                                                                       m->point.z);
+                                               if (p.allFinite()) p_base_lidar_ = p;
                                              }),
       subscribe<geometry_msgs::PoseWithCovarianceStamped>(
           context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); })};
@@ -189,8 +190,8 @@ void LocalizationNode::process(pipeline::PairedScan&& paired) {
 }
 
 std::optional<Eigen::Vector3d> LocalizationNode::lidar_origin() {
-  if (p_base_lidar_) return p_base_lidar_;
-  return sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  const auto configured = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  return configured ? configured : p_base_lidar_;
 }
 
 /// Who waits for the next pose has to know that none will come. The place itself is kept: how

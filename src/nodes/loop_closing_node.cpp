@@ -158,8 +158,8 @@ void LoopClosingNode::add_key_frame(const ReceivedKeyFrame& received) {
 }
 
 void LoopClosingNode::update_sensor_origin(const ReceivedKeyFrame& received) {
-  auto origin = received.p_base_lidar;
-  if (!origin) origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  if (!origin) origin = received.p_base_lidar;
   if (origin) run_->closer.set_sensor_origin(*origin);
 }
 

@@ -31,8 +31,8 @@ class ScanCollector {
     if (found == scans_.end() || found->stamp != stamp) return;
     if (count_++ % selection_.every != 0) return;
     Vector6d acceleration = found->acceleration;
-    // The rotation is already uniform due to the gyro (preprocessing::SyncedScan).
-    if (synced.imu && synced.imu->has_angular_velocity) acceleration.tail<3>().setZero();
+    // The gyro has made the rotation uniform (preprocessing::SyncedScan).
+    if (synced.uneven_turning) acceleration.tail<3>().setZero();
     // Before deskewing, as the front end does with key frames.
     rotate_upwards(synced.scan.cloud, found->elevation_shift);
     const PointCloud deskewed_cloud =
