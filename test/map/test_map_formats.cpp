@@ -197,34 +197,13 @@ TEST(MapFormatLists, NameAllFormats) {
     EXPECT_NE(line_from("../src/report/report_origin.cpp", "map/map." + format), "") << format;
 }
 
-/// A street with a parked car on one day, and without it on the next.
-class TwoDays : public CloudSource {
- public:
-  TwoDays() {
-    for (KeyFrameIndex index = 0; index < 2 * kKeyFramesOfDay; ++index) {
-      const bool is_next_day = index >= kKeyFramesOfDay;
-      Pose pose;
-      pose.translation.x() = 1.5 * (index % kKeyFramesOfDay);
-      poses.poses.push_back({index, from_seconds(index + (is_next_day ? 86'400.0 : 0.0)), pose});
-    }
-  }
-  PointCloudPtr cloud(KeyFrameIndex index) override {
-    std::vector<moving_objects::Box> boxes = moving_objects::street_boxes();
-    if (index < kKeyFramesOfDay) boxes.push_back({{12.0, -5.5, 0.0}, {16.0, -3.8, 1.5}});
-    return moving_objects::scan_of_boxes(boxes, poses.poses[index].T_map_base, kSensor);
-  }
-
-  static constexpr KeyFrameIndex kKeyFramesOfDay = 12;
-  const Eigen::Vector3d kSensor{0.5, 0.0, 1.8};
-  KeyFramePoses poses;
-};
-
 TEST(MapProducts, CountNoOutdatedPointsWhereTheseAreKept) {
-  TwoDays days;
+  // The car leaves before the next day.
+  moving_objects::TwoDays days(12, 1.5, {{12.0, -5.5, 0.0}, {16.0, -3.8, 1.5}}, false);
   const test::TemporaryFolder folder;
   ProductOptions options;
   options.formats = {"changes"};
-  options.p_base_sensor = days.kSensor;
+  options.p_base_sensor = days.p_base_sensor;
   EXPECT_GT(write_products(days.poses, days, {}, options, folder.path()).outdated, 100U);
   options.keep_outdated = true;
   const Products kept = write_products(days.poses, days, {}, options, folder.path());

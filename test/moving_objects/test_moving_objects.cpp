@@ -147,34 +147,11 @@ TEST(MovingObjects, StaticAndRemovedPointsAreTheWholeCloud) {
   EXPECT_EQ(clean.cloud(10)->size() + clean.removed(10)->size(), street.cloud(10)->size());
 }
 
-/// A street that is empty on one day, and has a parked car on the next.
-class TwoDays : public CloudSource {
- public:
-  TwoDays() {
-    for (KeyFrameIndex index = 0; index < 2 * kKeyFramesOfDay; ++index) {
-      const bool is_next_day = index >= kKeyFramesOfDay;
-      Pose pose;
-      pose.translation.x() = 1.0 * (index % kKeyFramesOfDay);
-      poses.poses.push_back({index, from_seconds(index + (is_next_day ? 86'400.0 : 0.0)), pose});
-      std::vector<Box> boxes = street_boxes();
-      if (is_next_day) boxes.push_back({{8.0, -5.5, 0.0}, {12.0, -3.8, 1.5}});
-      clouds_[index] = scan_of_boxes(boxes, pose, kSensor);
-    }
-  }
-  PointCloudPtr cloud(KeyFrameIndex index) override { return clouds_.at(index); }
-
-  static constexpr KeyFrameIndex kKeyFramesOfDay = 10;
-  KeyFramePoses poses;
-
- private:
-  std::map<KeyFrameIndex, PointCloudPtr> clouds_;
-};
-
 TEST(MovingObjects, AreNotWhatStoodElsewhereAnotherDay) {
-  TwoDays days;
-  StaticClouds clean(days, days.poses, kSensor);
-  for (KeyFrameIndex index = 0; index < 2 * TwoDays::kKeyFramesOfDay; ++index) {
-    EXPECT_EQ(clean.removed(index)->size(), 0U) << index;
+  TwoDays days(10, 1.0, {{8.0, -5.5, 0.0}, {12.0, -3.8, 1.5}}, true);
+  StaticClouds clean(days, days.poses, days.p_base_sensor);
+  for (const KeyFramePose& pose : days.poses.poses) {
+    EXPECT_EQ(clean.removed(pose.index)->size(), 0U) << pose.index;
   }
 }
 

@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/pose.hpp"
 
@@ -64,5 +66,34 @@ inline PointCloudPtr scan_of_boxes(const std::vector<Box>& boxes, const Pose& T_
   }
   return cloud;
 }
+
+/// A drive along the street on one day and on the next; on one of them a car is parked there.
+class TwoDays : public CloudSource {
+ public:
+  TwoDays(KeyFrameIndex key_frames_of_day, double spacing, const Box& car, bool is_next_day_parked)
+      : key_frames_of_day_(key_frames_of_day), car_(car), is_next_day_parked_(is_next_day_parked) {
+    for (KeyFrameIndex index = 0; index < 2 * key_frames_of_day; ++index) {
+      Pose pose;
+      pose.translation.x() = spacing * (index % key_frames_of_day);
+      poses.poses.push_back(
+          {index, from_seconds(index + (is_next_day(index) ? 86'400.0 : 0.0)), pose});
+    }
+  }
+  PointCloudPtr cloud(KeyFrameIndex index) override {
+    std::vector<Box> boxes = street_boxes();
+    if (is_next_day(index) == is_next_day_parked_) boxes.push_back(car_);
+    return scan_of_boxes(boxes, poses.poses[index].T_map_base, p_base_sensor);
+  }
+
+  const Eigen::Vector3d p_base_sensor{0.5, 0.0, 1.8};
+  KeyFramePoses poses;
+
+ private:
+  bool is_next_day(KeyFrameIndex index) const { return index >= key_frames_of_day_; }
+
+  KeyFrameIndex key_frames_of_day_;
+  Box car_;
+  bool is_next_day_parked_;
+};
 
 }  // namespace lidar_mapping::moving_objects
